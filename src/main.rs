@@ -1,0 +1,2 @@
+//! The command line: parse, then call `commands/`.
+fn main() {}

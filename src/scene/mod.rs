@@ -1,0 +1,109 @@
+//! Prepare: rational Bézier patches about local origins with what the frame needs to know of them, and cameras.
+
+mod camera;
+mod prepare;
+
+pub use camera::{Camera, CameraError, Projection, View, ViewSpec};
+pub use prepare::{PrepareError, prepare};
+
+use crate::geometry::Net;
+use glam::{DAffine3, DVec3, DVec4};
+use std::ops::Range;
+
+/// A prepared model. Patches belong to parts; instances draw ranges of them.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// Control nets of all patches, homogeneous, about each patch's own origin.
+    pub points: Vec<DVec4>,
+    pub patches: Vec<Patch>,
+    pub faces: Vec<SceneFace>,
+    pub instances: Vec<SceneInstance>,
+    pub bounds: Bounds,
+}
+
+/// One rational Bézier patch about a local origin.
+#[derive(Clone, Debug)]
+pub struct Patch {
+    pub degree: [usize; 2],
+    /// Its net in `Scene::points`.
+    pub points: Range<usize>,
+    /// Local (0, 0, 0) in the part's coordinates.
+    pub origin: DVec3,
+    /// Index into `Scene::faces`.
+    pub face: u32,
+    /// Its rectangle in the source surface's own parameters.
+    pub domain: [[f64; 2]; 2],
+    pub rational: bool,
+    pub enclosure: Enclosure,
+    pub cone: NormalCone,
+}
+
+/// Signed boxes and radii that hold `S_uu`, `S_uv`, `S_vv` of the rational surface over the patch (21 numbers);
+/// research "tessellation-bounds", M7bn.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Enclosure {
+    /// `[uu, uv, vv]`, model axes.
+    pub low: [DVec3; 3],
+    pub high: [DVec3; 3],
+    /// Largest length of each.
+    pub radius: [f64; 3],
+}
+
+/// All normals `S_u x S_v` of the patch lie within `angle` of `axis`; `cos_angle < 0` (or -1) says nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalCone {
+    pub axis: DVec3,
+    pub cos_angle: f64,
+}
+
+#[derive(Clone, Debug)]
+pub struct SceneFace {
+    /// The file's own entity number where it has one.
+    pub id: u32,
+    pub name: String,
+    /// Linear RGB.
+    pub color: [f32; 3],
+    /// Bounds a solid: back patches can't be seen.
+    pub solid: bool,
+}
+
+#[derive(Clone, Debug)]
+pub struct SceneInstance {
+    /// The patches it draws, in `Scene::patches`.
+    pub patches: Range<usize>,
+    /// Part coordinates to world.
+    pub transform: DAffine3,
+    pub color: Option<[f32; 3]>,
+}
+
+/// Box of all control points in the world, and the sphere about it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bounds {
+    pub low: DVec3,
+    pub high: DVec3,
+}
+
+impl Bounds {
+    pub fn center(&self) -> DVec3 {
+        // Halves first: the sum may overflow.
+        self.low * 0.5 + self.high * 0.5
+    }
+
+    /// Radius of the bounding sphere (half the diagonal).
+    pub fn radius(&self) -> f64 {
+        (self.high * 0.5 - self.low * 0.5).length()
+    }
+}
+
+impl Scene {
+    /// The control net of a patch, about its origin.
+    pub fn net(&self, patch: &Patch) -> Net<'_> {
+        Net::new(patch.degree, &self.points[patch.points.clone()])
+    }
+
+    /// What one drawn patch is coloured: the instance's colour, else the face's.
+    pub fn color(&self, instance: u32, patch: u32) -> [f32; 3] {
+        let face = &self.faces[self.patches[patch as usize].face as usize];
+        self.instances[instance as usize].color.unwrap_or(face.color)
+    }
+}

@@ -1,0 +1,122 @@
+//! What a frame is asked to do; the names are those of the command line.
+
+use serde::Serialize;
+
+/// The tessellation bound (DESIGN section 4). Each certifies one interpolation of the parameters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Bound {
+    /// Per-axis bound from object-space enclosures of the second derivatives; proved, affine.
+    #[default]
+    Screen,
+    /// ETER: object-space epsilon with Zheng & Sederberg's homogeneous bound; proved, projective.
+    Eter,
+    /// Guthe 2005 section 5.2 after Filip; proved, affine.
+    Filip,
+    /// Clip-space second differences; proved, projective.
+    Projective,
+    /// Yeo 2012 (iPASS); polynomial patches only and no guarantee.
+    Slefe,
+}
+
+/// Which parameter a pixel inside a triangle gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Interpolation {
+    /// Vertices divided by the rational weight: affine on the triangle in camera space.
+    Affine,
+    /// The rational weight stays in W.
+    Projective,
+}
+
+/// How quads are grouped into meshlets.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Grid {
+    /// As many quads as the bound asks for, in meshlets of up to 7x7.
+    #[default]
+    Variable,
+    /// ETER section 4.2: scaled up to whole 7x7-quad meshlets.
+    Eter,
+}
+
+/// How cracks between grids are closed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Fill {
+    #[default]
+    Stroke,
+    /// ETER section 6.1: conservative fragments and the 3x3 vote.
+    Eter,
+    Conservative,
+    Off,
+}
+
+/// Back-patch culling for surfaces that bound a solid.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Cull {
+    Off,
+    #[default]
+    Auto,
+    /// Also for surfaces that are not known to bound a solid.
+    On,
+}
+
+/// What the picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+#[serde(rename_all = "kebab-case")]
+pub enum Show {
+    #[default]
+    Shaded,
+    Patches,
+    Grid,
+    Meshlets,
+    Normals,
+    Depth,
+    Error,
+    TriangleSize,
+}
+
+/// Everything that changes a frame besides the camera.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Options {
+    pub bound: Bound,
+    pub grid: Grid,
+    pub fill: Fill,
+    pub cull: Cull,
+    pub show: Show,
+    /// Newton steps towards the pixel centre; 0 is the papers' way.
+    pub refine: u32,
+    /// Pixels.
+    pub tolerance: f64,
+    /// Pixel sizes.
+    pub depth_tolerance: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            bound: Bound::Screen,
+            grid: Grid::Variable,
+            fill: Fill::Stroke,
+            cull: Cull::Auto,
+            show: Show::Shaded,
+            refine: 2,
+            tolerance: 0.5,
+            depth_tolerance: 1.0,
+        }
+    }
+}
+
+impl Bound {
+    pub const ALL: [Bound; 5] = [Bound::Screen, Bound::Eter, Bound::Filip, Bound::Projective, Bound::Slefe];
+
+    /// The interpolation this bound certifies.
+    pub fn interpolation(self) -> Interpolation {
+        match self {
+            Bound::Screen | Bound::Filip | Bound::Slefe => Interpolation::Affine,
+            Bound::Eter | Bound::Projective => Interpolation::Projective,
+        }
+    }
+}
