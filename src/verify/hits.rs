@@ -197,8 +197,10 @@ fn leaves(scene: &Scene, view: &View, drawn: &Drawn) -> Vec<(ImageBox, Leaf)> {
 /// Adds a meeting unless it is one that the patch's neighbouring piece has found already.
 fn add(hits: &mut Vec<(u32, Meeting)>, drawn: u32, new: Meeting) {
     let same = |old: &Meeting| {
+        // About a tangential hit some small pieces are excluded and others not: these belong together.
+        let reach = if old.certified && new.certified { 1.01 } else { 4.0 };
         (0..2).all(|axis| {
-            (old.parameter[axis] - new.parameter[axis]).abs() <= 1.01 * (old.extent[axis] + new.extent[axis])
+            (old.parameter[axis] - new.parameter[axis]).abs() <= reach * (old.extent[axis] + new.extent[axis])
         })
     };
     let Some((_, old)) = hits.iter_mut().find(|(of, old)| *of == drawn && same(old)) else {
