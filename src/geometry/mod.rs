@@ -6,6 +6,7 @@
 pub mod bernstein;
 mod curve;
 mod error;
+pub mod exact;
 mod knots;
 mod net;
 mod surface;

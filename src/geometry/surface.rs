@@ -11,6 +11,14 @@ pub struct PatchPiece {
     pub domain: [[f64; 2]; 2],
 }
 
+impl PatchPiece {
+    /// `pieces` if all their points are finite and all weights positive; `what` names them in the error.
+    pub fn checked(what: &str, pieces: Vec<Self>) -> Result<Vec<Self>, GeometryError> {
+        pieces.iter().try_for_each(|piece| check_points(what, piece.patch.points()))?;
+        Ok(pieces)
+    }
+}
+
 /// A NURBS surface of any degree up to [`MAX_DEGREE`]; homogeneous points, u outermost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NurbsSurface {
