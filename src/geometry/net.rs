@@ -223,7 +223,7 @@ impl BezierPatch {
     }
 
     /// For points known to be good.
-    pub(super) fn from_points(degree: [usize; 2], points: Vec<DVec4>) -> Self {
+    pub(crate) fn from_points(degree: [usize; 2], points: Vec<DVec4>) -> Self {
         debug_assert_eq!(points.len(), (degree[0] + 1) * (degree[1] + 1));
         Self { degree, points }
     }
