@@ -4,8 +4,15 @@
 //! `points[i * (degree_v + 1) + j]` belongs to `B_i(u) B_j(v)`.
 
 pub mod bernstein;
+mod curve;
 mod error;
+pub mod exact;
+mod knots;
 mod net;
+mod surface;
 
+pub use curve::{BezierCurve, CurvePiece, NurbsCurve};
 pub use error::GeometryError;
-pub use net::{BezierPatch, Jet, Net, SurfacePoint};
+pub use knots::Knots;
+pub use net::{BezierPatch, Jet, MAX_DEGREE, Net, SurfacePoint};
+pub use surface::{NurbsSurface, PatchPiece};
