@@ -16,7 +16,7 @@ use std::{ffi::OsString, process::ExitCode};
 
 /// Pixel-accurate pictures of NURBS models, with the error measured.
 #[derive(Debug, Parser)]
-#[command(name = "halfpixel", version, disable_help_subcommand = true)]
+#[command(name = "halfpixel", version, disable_help_subcommand = true, arg_required_else_help = false)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,

@@ -5,6 +5,8 @@
 
 mod error;
 mod net;
+mod triangle;
 
 pub use error::GeometryError;
-pub use net::{BezierPatch, Jet, Net, SurfacePoint};
+pub use net::{BezierPatch, Jet, MAX_DEGREE, Net, SurfacePoint};
+pub use triangle::triangle_to_tensor;
