@@ -108,14 +108,18 @@ impl ModelArgs {
     /// Reads the model and turns it upright. What could not be taken over is counted on standard error, or with
     /// `--strict` an error.
     pub fn load(&self) -> Result<Model> {
+        let model = self.load_silently()?;
+        if let Some(line) = warnings_line(&model) {
+            output::warning_line(&format!("{}: {line}; `halfpixel info` lists them", self.model));
+        }
+        Ok(model)
+    }
+
+    /// As `load`, for a caller that shows the warnings itself.
+    pub fn load_silently(&self) -> Result<Model> {
         let mut model = load_model(&self.model)?;
-        if let Some(first) = model.warnings.first() {
-            let count = model.warnings.len();
-            let listed = if count == 1 { "one warning" } else { &format!("{count} warnings, the first") };
-            if self.strict {
-                bail!("{}: {listed}: {}: leave out --strict to go on without it", self.model, first.message);
-            }
-            output::warning_line(&format!("{}: {listed}: {} (`halfpixel info` lists all)", self.model, first.message));
+        if let Some(line) = warnings_line(&model).filter(|_| self.strict) {
+            bail!("{}: {line}: leave out --strict to go on without that", self.model);
         }
         if self.up_axis == UpAxis::Y {
             // A quarter turn about x takes +y to +z.
@@ -205,6 +209,15 @@ pub fn progress_bar(what: &'static str) -> ProgressBar {
     }
     bar.set_message(what);
     bar
+}
+
+/// How many warnings a model has, and the first of them.
+fn warnings_line(model: &Model) -> Option<String> {
+    let first = &model.warnings.first()?.message;
+    match model.warnings.len() {
+        1 => Some(format!("1 warning: {first}")),
+        count => Some(format!("{count} warnings, the first: {first}")),
+    }
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {

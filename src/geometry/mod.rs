@@ -3,10 +3,12 @@
 //! Control points are homogeneous, `(wx, wy, wz, w)` with `w > 0`. Control nets are row major with u outermost:
 //! `points[i * (degree_v + 1) + j]` belongs to `B_i(u) B_j(v)`.
 
+mod area;
 mod error;
 mod net;
 mod triangle;
 
+pub use area::{Estimate, patch_area, rough_patch_area};
 pub use error::GeometryError;
 pub use net::{BezierPatch, Jet, MAX_DEGREE, Net, SurfacePoint};
 pub use triangle::triangle_to_tensor;

@@ -24,9 +24,9 @@ pub enum ImportError {
     TooLarge { path: PathBuf },
     #[error("{}: the file is empty", path.display())]
     Empty { path: PathBuf },
-    #[error("{}: this is no format that is known: {} can be read", path.display(), formats::readable())]
+    #[error("{}: the content is of no known format; what can be read: {}", path.display(), formats::readable())]
     Unknown { path: PathBuf },
-    #[error("{}: {format} files are not read yet: {} can be", path.display(), formats::readable())]
+    #[error("{}: {format} files are not read yet; what can be read: {}", path.display(), formats::readable())]
     NotReadYet { path: PathBuf, format: &'static str },
     #[error("{}: line {line}: {what}", path.display())]
     Format { path: PathBuf, line: usize, what: String },
