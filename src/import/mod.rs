@@ -2,6 +2,7 @@
 
 mod bezierview;
 mod bpt;
+pub mod builtin;
 mod formats;
 mod patches;
 mod scan;
@@ -30,8 +31,8 @@ pub enum ImportError {
     NotReadYet { path: PathBuf, format: &'static str },
     #[error("{}: line {line}: {what}", path.display())]
     Format { path: PathBuf, line: usize, what: String },
-    #[error("there is no built-in model {0:?}")]
-    Builtin(String),
+    #[error(transparent)]
+    Builtin(#[from] builtin::BuiltinError),
 }
 
 /// What is wrong with a file's text, and where.
@@ -53,7 +54,7 @@ impl From<Stop> for ParseError {
 /// Reads a model file, or a built-in model by the name `builtin:NAME`.
 pub fn load(source: &str) -> Result<Model, ImportError> {
     if let Some(name) = source.strip_prefix("builtin:") {
-        return Err(ImportError::Builtin(name.to_owned()));
+        return Ok(builtin::builtin(name)?);
     }
     let path = Path::new(source);
     let bytes = read_file(path)?;
