@@ -1,7 +1,7 @@
 //! Arguments that commands share: the model, and everything that decides a frame.
 
 use super::{UsageError, output};
-use crate::import;
+use crate::import::{self, ImportError};
 use crate::model::Model;
 use crate::scene::{Camera, Scene, View, ViewSpec, prepare};
 use crate::stages::{Bound, Cull, Fill, Grid, Options, Show};
@@ -186,7 +186,10 @@ impl FrameArgs {
 
 /// Reads a model from a file or by the name of a built-in one.
 pub fn load_model(source: &str) -> Result<Model> {
-    Ok(import::load(source)?)
+    import::load(source).map_err(|error| match error {
+        ImportError::Builtin(unknown) => UsageError(unknown.to_string()).into(),
+        error => error.into(),
+    })
 }
 
 /// Prepares a model; on a terminal, standard error shows how far it is.

@@ -73,7 +73,7 @@ fn geometry_bytes(scene: &Scene) -> usize {
 fn table(info: &Info) -> String {
     let f = &info.figures;
     let unit = f.unit.as_deref().unwrap_or("units");
-    let degrees: Vec<String> = f.degrees.iter().map(|(d, n)| format!("{d} ({n})")).collect();
+    let degrees: Vec<String> = f.degrees.iter().map(|([u, v], n)| format!("{u}x{v} ({n})")).collect();
     let bytes = |b: Option<usize>| b.map_or("-".to_owned(), |b| format!("{:.2} MB", b as f64 / 1e6));
     let corner = |c: [f64; 3]| c.map(|x| format!("{x}")).join(", ");
     let bounds = f.bounds.map_or("-".to_owned(), |[low, high]| format!("{} to {} {unit}", corner(low), corner(high)));

@@ -4,11 +4,14 @@
 //! standard error. With `--json`, standard output is one JSON object and nothing else.
 
 pub mod args;
+pub mod attributes;
 pub mod compare;
 pub mod devices;
+pub mod image;
 pub mod info;
 pub mod output;
 pub mod render;
+pub mod used;
 pub mod verify;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, error::ErrorKind};

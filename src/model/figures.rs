@@ -4,7 +4,7 @@ use super::{Instance, Model, SurfacePatch};
 use crate::geometry::{Estimate, patch_area, rough_patch_area};
 use glam::DMat3;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
 /// The area settles to this fraction of the whole, spread over the patches.
@@ -21,8 +21,9 @@ pub struct Figures {
     pub surfaces: usize,
     /// Rational Bézier patches that are stored.
     pub bezier_patches: usize,
-    /// Patches of each degree, by "UxV".
-    pub degrees: BTreeMap<String, usize>,
+    /// Patches of each degree; in JSON by "UxV".
+    #[serde(serialize_with = "by_name")]
+    pub degrees: BTreeMap<[usize; 2], usize>,
     /// Patches whose weights differ.
     pub rational: usize,
     /// Trim loops.
@@ -38,6 +39,10 @@ pub struct Figures {
     pub instances: usize,
     /// What could not be taken over, one line each.
     pub warnings: Vec<String>,
+}
+
+fn by_name<S: Serializer>(degrees: &BTreeMap<[usize; 2], usize>, to: S) -> Result<S::Ok, S::Error> {
+    to.collect_map(degrees.iter().map(|([u, v], count)| (format!("{u}x{v}"), count)))
 }
 
 impl Model {
@@ -56,7 +61,7 @@ impl Model {
             unique_faces: faces().count(),
             surfaces: faces().count(),
             bezier_patches: patches().count(),
-            degrees: degrees.into_iter().map(|([u, v], n)| (format!("{u}x{v}"), n)).collect(),
+            degrees,
             rational: patches().filter(|p| p.patch.net().is_rational()).count(),
             trims: 0,
             area: area.value,

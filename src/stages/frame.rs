@@ -83,4 +83,9 @@ impl Frame {
     pub fn pixel(&self, _x: u32, _y: u32) -> Option<Pixel> {
         None
     }
+
+    /// Linear RGBA of pixel (x, y).
+    pub fn color(&self, _x: u32, _y: u32) -> [f32; 4] {
+        [0.0; 4]
+    }
 }
