@@ -294,5 +294,10 @@ impl Frame {
     fn is_filled(&self, index: usize, word: u64) -> bool {
         is_edge(word) || self.filled.binary_search_by_key(&(index as u32), |f| f.pixel).is_ok()
     }
+
+    /// Linear RGBA of pixel (x, y).
+    pub fn color(&self, _x: u32, _y: u32) -> [f32; 4] {
+        [0.0; 4]
+    }
 }
 
