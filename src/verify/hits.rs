@@ -5,6 +5,7 @@ use super::hierarchy::Hierarchy;
 use super::piece::{Certificate, ImageBox, Piece, subdivide};
 use super::ray::{Meeting, Ray, view_net};
 use super::view::{Drawn, ImagePoint, View};
+use crate::geometry::BezierPatch;
 use crate::scene::{Camera, Scene};
 use glam::{DVec2, DVec4};
 use rayon::prelude::*;
@@ -70,8 +71,10 @@ impl<'a> Oracle<'a> {
         let cut: Vec<_> = pairs
             .into_par_iter()
             .map(|(instance, patch)| {
-                let drawn = view.drawn(scene, instance, patch);
-                (drawn, leaves(scene, &view, &drawn))
+                let mut drawn = view.drawn(scene, instance, patch);
+                let net = view_net(scene, &drawn);
+                drawn.noise = view.noise(net.net());
+                (drawn, leaves(&view, net))
             })
             .filter(|(_, leaves)| !leaves.is_empty())
             .collect();
@@ -171,8 +174,7 @@ impl<'a> Oracle<'a> {
 }
 
 /// Cuts one patch until its parts are certified or small, and drops what is outside the image or nearer than near.
-fn leaves(scene: &Scene, view: &View, drawn: &Drawn) -> Vec<(ImageBox, Leaf)> {
-    let net = view_net(scene, drawn);
+fn leaves(view: &View, net: BezierPatch) -> Vec<(ImageBox, Leaf)> {
     let mut leaves = Vec::new();
     if !net.points().iter().all(|q| q.is_finite()) {
         return leaves;

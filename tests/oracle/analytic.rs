@@ -158,7 +158,8 @@ fn shared_borders_are_closed() {
                     let hits = oracle.hits(p.x, p.y);
                     assert!(hits.iter().any(|h| h.patch as usize == patch), "patch {patch} at {u} {v}");
                     // A ray that enters a closed surface leaves it.
-                    let facing = at.du.cross(at.dv).normalize_or_zero().dot(shapes::ray(&camera, p.x, p.y).1.normalize());
+                    let facing =
+                        at.du.cross(at.dv).normalize_or_zero().dot(shapes::ray(&camera, p.x, p.y).1.normalize());
                     assert!(!closed || facing.abs() < 1e-2 || depths(&oracle, p.x, p.y).len() >= 2, "{hits:?}");
                 }
             }

@@ -12,8 +12,7 @@ const SIZE: f64 = 1e-5;
 /// Parameters where the hull of a tiny part holds the image point.
 fn candidates(scene: &Scene, camera: &Camera, p: DVec2) -> Vec<DVec2> {
     let source = &scene.patches[0];
-    let mut stack: Vec<(BezierPatch, DVec2, DVec2)> =
-        vec![(scene.net(source).to_patch(), DVec2::ZERO, DVec2::ONE)];
+    let mut stack: Vec<(BezierPatch, DVec2, DVec2)> = vec![(scene.net(source).to_patch(), DVec2::ZERO, DVec2::ONE)];
     let mut found = Vec::new();
     while let Some((patch, low, high)) = stack.pop() {
         let (mut least, mut most) = (DVec2::INFINITY, DVec2::NEG_INFINITY);

@@ -16,9 +16,12 @@ fn ball(n: usize) -> Vec<Part> {
         DVec3::new(v.sin() * u.cos(), v.sin() * u.sin(), -v.cos()) * r
     };
     // Cubic through four points a direction: C0 is enough.
-    let weights = [[1.0, 0.0, 0.0, 0.0], [-5.0 / 6.0, 3.0, -1.5, 1.0 / 3.0], [1.0 / 3.0, -1.5, 3.0, -5.0 / 6.0], [
-        0.0, 0.0, 0.0, 1.0,
-    ]];
+    let weights = [
+        [1.0, 0.0, 0.0, 0.0],
+        [-5.0 / 6.0, 3.0, -1.5, 1.0 / 3.0],
+        [1.0 / 3.0, -1.5, 3.0, -5.0 / 6.0],
+        [0.0, 0.0, 0.0, 1.0],
+    ];
     let patch = |a: usize, b: usize| {
         let mut points = Vec::new();
         for row in weights {

@@ -42,8 +42,7 @@ pub fn scene(parts: &[Part], offset: DVec3) -> Scene {
         });
     }
     let faces = parts.iter().map(|p| p.face).max().unwrap_or(0) + 1;
-    scene.faces =
-        (0..faces).map(|id| SceneFace { id, name: String::new(), color: [0.5; 3], solid: false }).collect();
+    scene.faces = (0..faces).map(|id| SceneFace { id, name: String::new(), color: [0.5; 3], solid: false }).collect();
     scene.instances = vec![SceneInstance { patches: 0..parts.len(), transform: DAffine3::IDENTITY, color: None }];
     scene.bounds = Bounds { low: low + offset, high: high + offset };
     scene
@@ -123,12 +122,6 @@ pub fn random_patch(random: &mut Random, degree: [usize; 2], bump: f64, spread: 
         }
     }
     Part::new(degree, points, 0)
-}
-
-/// All coordinates multiplied by `scale` and moved.
-pub fn placed(parts: Vec<Part>, scale: f64, offset: DVec3) -> Vec<Part> {
-    let place = |q: DVec4| (q.truncate() * scale + offset * q.w).extend(q.w);
-    parts.into_iter().map(|p| Part { points: p.points.into_iter().map(place).collect(), ..p }).collect()
 }
 
 /// A small linear congruential generator (Knuth's MMIX constants).
