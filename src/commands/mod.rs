@@ -7,8 +7,11 @@ pub mod args;
 pub mod compare;
 pub mod devices;
 pub mod info;
+pub mod measure;
 pub mod output;
 pub mod render;
+pub mod results;
+pub mod sweep;
 pub mod verify;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, error::ErrorKind};

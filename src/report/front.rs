@@ -1,10 +1,11 @@
 //! Speed against error: one point a configuration, and those that nothing beats in both.
 
-use super::Row;
+use super::{Errors, Measured, Outcome, Row, Setting, Summary, Table, name};
 use crate::stages::{Bound, Grid};
+use serde::Serialize;
 
 /// A configuration over all shots it drew.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Point {
     pub bound: Bound,
     pub grid: Grid,
@@ -13,41 +14,87 @@ pub struct Point {
     pub ms: f64,
     /// Largest grid error over the shots, in pixels.
     pub error: f64,
-    pub quads: u64,
-    pub triangles: u64,
 }
 
-/// Sums the rows up by bound, grid and tolerance, in order of appearance. A configuration that was refused somewhere
-/// is left out: its mean would be over other shots than its rivals'.
-pub fn points(rows: &[Row]) -> Vec<Point> {
+/// The rows of each bound, grid and tolerance, in order of appearance.
+fn configurations(rows: &[Row]) -> Vec<Vec<&Row>> {
     let key = |row: &Row| (row.setting.bound, row.setting.grid, row.setting.tolerance);
-    let mut keys = Vec::new();
+    let mut groups: Vec<Vec<&Row>> = Vec::new();
     for row in rows {
-        if !keys.contains(&key(row)) {
-            keys.push(key(row));
+        match groups.iter_mut().find(|g| key(g[0]) == key(row)) {
+            Some(group) => group.push(row),
+            None => groups.push(vec![row]),
         }
     }
-    keys.into_iter().filter_map(|k| point(&rows.iter().filter(|r| key(r) == k).collect::<Vec<_>>())).collect()
+    groups
+}
+
+/// One point a configuration. One that was refused somewhere is left out: its mean would be over other shots than its
+/// rivals'.
+pub fn points(rows: &[Row]) -> Vec<Point> {
+    configurations(rows).iter().filter_map(|group| point(group)).collect()
+}
+
+/// Configurations as a table, refused ones with their reason.
+pub fn summary(rows: &[Row]) -> Table {
+    let front = pareto(&points(rows));
+    let mut table = Table::new(&[
+        "bound",
+        "grid",
+        "t px",
+        "ms",
+        "quads",
+        "triangles",
+        "grid max px",
+        "refined max px",
+        "violations",
+        "cracks",
+        "covering",
+        "depth",
+        "front",
+        "note",
+    ]);
+    for group in configurations(rows) {
+        let setting = group[0].setting;
+        let count = |get: fn(&Measured) -> u64| -> Option<u64> { group.iter().map(|r| r.measured().map(get)).sum() };
+        let sum = |get: fn(&Errors) -> u64| -> Option<u64> { group.iter().map(|r| r.errors().map(get)).sum() };
+        let worst = |get: fn(&Errors) -> Option<Summary>| {
+            group.iter().filter_map(|r| get(r.errors()?)).map(|s| s.max).reduce(f64::max)
+        };
+        let ms: Option<f64> = group.iter().map(|r| r.measured().map(|m| m.total.median / group.len() as f64)).sum();
+        let on_front = point(&group).is_some_and(|p| front.contains(&p));
+        let refused = group.iter().find_map(|r| match &r.outcome {
+            Outcome::Refused(reason) => Some(format!("refused: {reason}")),
+            Outcome::Measured(_) => None,
+        });
+        table.push(vec![
+            name(setting.bound).into(),
+            name(setting.grid).into(),
+            setting.tolerance.into(),
+            ms.into(),
+            count(|m| m.counts.quads).into(),
+            count(|m| m.counts.triangles).into(),
+            worst(|e| e.grid).into(),
+            worst(|e| e.refined).into(),
+            sum(|e| e.violations).into(),
+            sum(|e| e.cracks).into(),
+            sum(|e| e.covering_failures).into(),
+            sum(|e| e.depth_failures).into(),
+            if on_front { "yes" } else { "" }.into(),
+            refused.unwrap_or_default().into(),
+        ]);
+    }
+    table
 }
 
 fn point(rows: &[&Row]) -> Option<Point> {
-    let first = rows.first()?.setting;
-    let mut point = Point {
-        bound: first.bound,
-        grid: first.grid,
-        tolerance: first.tolerance,
-        ms: 0.0,
-        error: 0.0,
-        quads: 0,
-        triangles: 0,
-    };
+    let Setting { bound, grid, tolerance, .. } = rows.first()?.setting;
+    let mut point = Point { bound, grid, tolerance, ms: 0.0, error: 0.0 };
     for row in rows {
         let measured = row.measured()?;
         point.ms += measured.total.median / rows.len() as f64;
         // A shot that shows nothing has no error.
         point.error = point.error.max(measured.errors.as_ref()?.grid_max().unwrap_or(0.0));
-        point.quads += measured.counts.quads;
-        point.triangles += measured.counts.triangles;
     }
     Some(point)
 }
@@ -80,7 +127,9 @@ mod tests {
         ];
         let points = points(&rows);
         assert_eq!(points.len(), 2);
-        assert_eq!((points[0].ms, points[0].error, points[0].quads), (20.0, 0.3, 200));
+        assert_eq!((points[0].ms, points[0].error), (20.0, 0.3));
+        let table = summary(&rows).markdown();
+        assert!(table.contains("refused: rational") && table.lines().count() == 5);
     }
 
     #[test]

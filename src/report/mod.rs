@@ -7,7 +7,7 @@ mod row;
 mod rows;
 mod table;
 
-pub use front::{Point, pareto, points};
+pub use front::{Point, pareto, points, summary};
 pub use machine::{Machine, peak_memory};
 pub use plot::{PlotError, plot_png, plot_svg};
 pub use row::{Counts, Errors, Measured, Outcome, Row, Setting, Shot, Spread, StageSpread, Summary, stage_spreads};
