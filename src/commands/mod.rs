@@ -4,6 +4,7 @@
 //! standard error. With `--json`, standard output is one JSON object and nothing else.
 
 pub mod args;
+pub mod bench;
 pub mod compare;
 pub mod devices;
 pub mod info;
@@ -31,6 +32,7 @@ pub enum Command {
     Verify(verify::Args),
     Info(info::Args),
     Compare(compare::Args),
+    Bench(bench::Args),
     Devices(devices::Args),
 }
 
@@ -61,6 +63,7 @@ fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Verify(args) => verify::run(args),
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Bench(args) => bench::run(args),
         Command::Devices(args) => devices::run(args),
     }
 }

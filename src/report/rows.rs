@@ -1,6 +1,6 @@
 //! Rows as files: a short table to read, a wide one to compute with, and JSON that reads back.
 
-use super::{Cell, Measured, Outcome, Row, Spread, Summary, Table};
+use super::{Cell, Errors, Measured, Outcome, Row, Spread, Summary, Table};
 
 /// The stages that get a column of their own (DESIGN section 1).
 const STAGES: [&str; 7] = ["cull", "estimate", "evaluate", "rasterize", "trim", "fill", "shade"];
@@ -160,14 +160,16 @@ fn count_columns(c: &mut Vec<Column>) {
     count("buffer_bytes", |m| m.counts.buffer_bytes);
 }
 
+fn summary_columns(c: &mut Vec<Column>, kind: &str, get: fn(&Errors) -> Option<Summary>) {
+    add(c, format!("{kind}_max_px"), move |r| r.errors().and_then(get).map(|s| s.max).into());
+    add(c, format!("{kind}_p999_px"), move |r| r.errors().and_then(get).map(|s| s.p999).into());
+    add(c, format!("{kind}_mean_px"), move |r| r.errors().and_then(get).map(|s| s.mean).into());
+}
+
 fn error_columns(c: &mut Vec<Column>) {
-    let kinds: [(&str, fn(&super::Errors) -> Option<Summary>); 3] =
-        [("grid", |e| e.grid), ("parametric", |e| e.parametric), ("refined", |e| e.refined)];
-    for (kind, get) in kinds {
-        add(c, format!("{kind}_max_px"), move |r| r.errors().and_then(get).map(|s| s.max).into());
-        add(c, format!("{kind}_p999_px"), move |r| r.errors().and_then(get).map(|s| s.p999).into());
-        add(c, format!("{kind}_mean_px"), move |r| r.errors().and_then(get).map(|s| s.mean).into());
-    }
+    summary_columns(c, "grid", |e| e.grid);
+    summary_columns(c, "parametric", |e| e.parametric);
+    summary_columns(c, "refined", |e| e.refined);
     add(c, "checked", |r| r.errors().map(|e| e.checked).into());
     add(c, "violations", |r| r.errors().map(|e| e.violations).into());
     add(c, "cracks", |r| r.errors().map(|e| e.cracks).into());
