@@ -159,7 +159,7 @@ impl<'a> Net<'a> {
     }
 
     /// The control net in space (weights divided out).
-    pub fn hull(&self) -> impl Iterator<Item = DVec3> + 'a {
+    pub fn hull(&self) -> impl Iterator<Item = DVec3> + use<'a> {
         self.points.iter().map(|p| p.truncate() / p.w)
     }
 

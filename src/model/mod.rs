@@ -1,5 +1,9 @@
 //! What a file means: surfaces, faces, parts and where they stand. No pixels.
 
+mod figures;
+
+pub use figures::Figures;
+
 use crate::geometry::{BezierPatch, PatchPiece};
 use glam::{DAffine3, DVec3};
 
