@@ -6,7 +6,7 @@
 use super::lens::{Lens, PatchMap};
 use super::{Cull, Options, RenderError};
 use crate::geometry::{BezierPatch, Net};
-use crate::scene::{Enclosure, Patch, Scene, enclose};
+use crate::scene::{Enclosure, Patch, Scene, Sides, enclose};
 use glam::{DVec3, DVec4, Vec4};
 
 /// Largest depth ratio within a leaf; research "tessellation-bounds" section 4c.
@@ -43,7 +43,10 @@ pub(super) struct Leaf {
     pub high: DVec3,
     /// A-priori bound of the rounding of a vertex's screen position, in pixels.
     pub rounding: f64,
+    /// Halvings of its patch.
     pub depth: u32,
+    /// Sign of the screen area, in parameter order, of triangles that face away on a solid; 0: both sides can be seen.
+    pub hidden: i8,
 }
 
 /// The exact part of a split patch.
@@ -156,6 +159,7 @@ impl<'a> Culler<'a> {
                     }
                     leaf.instance = instance;
                     leaf.patch = index;
+                    leaf.hidden = self.hidden_sign(patch, map);
                     leaf.net = out.nets.len() as u32;
                     self.push_net(&leaf, &mut out.nets);
                     if let Some(net) = piece.net {
@@ -187,8 +191,8 @@ impl<'a> Culler<'a> {
         self.scratch.clear();
         self.scratch.extend(net.points().iter().map(|&p| map.apply(p)));
         let (z_min, z_max) = range(self.scratch.iter().map(|p| p.z / p.w));
-        // Written so that what is not a number is culled.
-        if !(z_max >= lens.near) || self.outside() {
+        // What is not a number is culled.
+        if z_max.is_nan() || z_max < lens.near || self.outside() {
             return Verdict::Culled;
         }
         if z_min < lens.near {
@@ -207,7 +211,7 @@ impl<'a> Culler<'a> {
         let center = [(x_min + x_max) * 0.5, (y_min + y_max) * 0.5].map(f64::round);
         let reach = (x_max - center[0]).max(center[0] - x_min).max((y_max - center[1]).max(center[1] - y_min));
         let rounding = rounding_bound(net.degree(), reach);
-        if !(rounding <= ROUNDING_BUDGET) {
+        if rounding.is_nan() || rounding > ROUNDING_BUDGET {
             return if may_split { Verdict::Split } else { Verdict::Culled };
         }
         Verdict::Keep(Box::new(Leaf {
@@ -224,6 +228,7 @@ impl<'a> Culler<'a> {
             high: DVec3::new(x_max, y_max, z_max),
             rounding,
             depth: piece.depth,
+            hidden: 0,
         }))
     }
 
@@ -268,22 +273,26 @@ impl<'a> Culler<'a> {
         usize::from(v > u)
     }
 
+    /// On a solid's patch: the sign of the screen area, in parameter order, of what faces away. x is right, y down and
+    /// z away from the eye: normals that point away have a positive one. A mirroring instance turns the outside in.
+    fn hidden_sign(&self, patch: &Patch, map: &PatchMap) -> i8 {
+        let away = match (self.options.cull, self.scene.faces[patch.face as usize].sides) {
+            (Cull::Off, _) | (Cull::Auto, Sides::Both) => return 0,
+            (Cull::Auto | Cull::On, Sides::Inside) => -1,
+            (Cull::Auto, Sides::Outside) | (Cull::On, _) => 1,
+        };
+        let [x, y, z] = map.axes;
+        if x.cross(y).dot(z) < 0.0 { -away } else { away }
+    }
+
     /// All of a solid's patch faces away from the eye.
     fn is_back_patch(&self, patch: &Patch, map: &PatchMap) -> bool {
-        let solid = self.scene.faces[patch.face as usize].solid;
-        let wanted = match self.options.cull {
-            Cull::Off => false,
-            Cull::Auto => solid,
-            Cull::On => true,
-        };
         let cone = &patch.cone;
-        if !wanted || cone.cos_angle <= 0.0 {
+        let hidden = self.hidden_sign(patch, map);
+        if hidden == 0 || cone.cos_angle <= 0.0 {
             return false;
         }
-        // A mirroring instance turns the outside in.
-        let [x, y, z] = map.axes;
-        let mirrored = x.cross(y).dot(z) < 0.0;
-        let axis = if mirrored { -cone.axis } else { cone.axis };
+        let axis = cone.axis * f64::from(hidden);
         let cone_angle = cone.cos_angle.clamp(-1.0, 1.0).acos();
         let (towards, spread) = if self.lens.perspective {
             match direction_cone(self.scene.net(patch), map) {
@@ -291,7 +300,7 @@ impl<'a> Culler<'a> {
                 None => return false,
             }
         } else {
-            (z.normalize(), 0.0)
+            (map.axes[2].normalize(), 0.0)
         };
         axis.dot(towards).clamp(-1.0, 1.0).acos() + cone_angle + spread < std::f64::consts::FRAC_PI_2 - 1e-9
     }
