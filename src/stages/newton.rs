@@ -9,7 +9,7 @@ pub(super) const LANES: usize = 8;
 /// Residual in pixels at which a pixel is done.
 const CONVERGED: f32 = 1.0 / 512.0;
 /// Times a step is halved before the old parameter is kept.
-const HALVINGS: usize = 10;
+const HALVINGS: usize = 6;
 /// Rounds that pixels near a silhouette, where Newton's method is slow, may take for each one asked for.
 const STRAGGLER_ROUNDS: u32 = 8;
 

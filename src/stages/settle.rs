@@ -19,51 +19,62 @@ const HALF_PIXEL: f32 = 0.5;
 /// Rows of pixels that share a list of leaves.
 const STRIP: u32 = 8;
 
-/// Strokes: a filled pixel goes to the nearest surface exactly under its centre, the stroke's own or another that
-/// continues it; where there is none, back to N.
+/// A surface point under a pixel's centre.
+struct Hit {
+    /// Stored depth.
+    depth: f32,
+    /// Its triangle, as the lower half of a visibility word.
+    triangle: u64,
+    /// Leaf parameters.
+    parameters: [f32; 2],
+}
+
+/// Strokes: a pixel goes to the nearest surface exactly under its centre, where that is nearer than what N shows; else
+/// back to N.
 pub(super) fn settle(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Filled>) {
     let strips = Strips::new(shader, filled);
-    let words: Vec<u64> = filled.par_iter().map(|f| word_under(shader, &strips, targets, f)).collect();
-    keep(&words, targets, filled);
+    let hits: Vec<Option<Hit>> = filled.par_iter().map(|f| nearest_hit(shader, &strips, f)).collect();
+    let mut hits = hits.into_iter();
+    filled.retain_mut(|f| {
+        let hit = hits.next().flatten();
+        targets.near[f.pixel as usize] =
+            hit.as_ref().map_or(f.near, |hit| u64::from(hit.depth.to_bits()) << 32 | hit.triangle);
+        f.start = hit.map(|hit| hit.parameters);
+        f.start.is_some()
+    });
 }
 
 /// Other ways to fill: what refinement leaves beyond half a pixel goes back to N.
 pub(super) fn refuse(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Filled>) {
-    let word = |f: &Filled| {
-        let spare = targets.near[f.pixel as usize];
-        if shader.surfel(f.pixel, spare).residual <= HALF_PIXEL { spare } else { f.near }
-    };
-    let words: Vec<u64> = filled.par_iter().map(word).collect();
-    keep(&words, targets, filled);
+    let stays = |f: &Filled| shader.surfel(targets.near[f.pixel as usize], f).residual <= HALF_PIXEL;
+    let stays: Vec<bool> = filled.par_iter().map(stays).collect();
+    let mut stays = stays.into_iter();
+    filled.retain(|f| {
+        let stays = stays.next() == Some(true);
+        if !stays {
+            targets.near[f.pixel as usize] = f.near;
+        }
+        stays
+    });
 }
 
-fn keep(words: &[u64], targets: &mut Targets, filled: &mut Vec<Filled>) {
-    for (f, &word) in filled.iter().zip(words) {
-        targets.near[f.pixel as usize] = word;
-    }
-    let mut words = words.iter();
-    filled.retain(|f| words.next().is_some_and(|&word| word != f.near));
+fn nearest_hit(shader: &Shader, strips: &Strips, f: &Filled) -> Option<Hit> {
+    // N's own surface lies within the depth tolerance of its depth: only what is clearly nearer counts.
+    let behind = shader.nearer_by_tolerance(depth_of(f.near));
+    let in_front = strips.leaves(shader, f.pixel).filter(|&leaf| {
+        let nearest = shader.leaves[leaf as usize].low.z as f32;
+        shader.stored_depth(nearest) > behind
+    });
+    let hits = in_front.filter_map(|leaf| search(shader, leaf, f.pixel, behind));
+    // Equal depths go to the larger word, as everywhere.
+    hits.max_by(|a, b| a.depth.total_cmp(&b.depth).then(a.triangle.cmp(&b.triangle)))
 }
 
-fn word_under(shader: &Shader, strips: &Strips, targets: &Targets, f: &Filled) -> u64 {
-    let spare = targets.near[f.pixel as usize];
-    if shader.surfel(f.pixel, spare).residual <= EXACT {
-        return spare;
-    }
-    let behind = depth_of(f.near);
-    let hits = strips.leaves(shader, f.pixel).filter_map(|leaf| search(shader, leaf, f.pixel, behind));
-    // The nearest; equal depths go to the larger word, as everywhere.
-    hits.max_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
-        .map_or(f.near, |(depth, low)| u64::from(depth.to_bits()) << 32 | low)
-}
-
-/// The leaf's surface exactly under a pixel's centre and nearer than `behind`: its stored depth and the lower half of
-/// a visibility word.
+/// The leaf's surface exactly under a pixel's centre that is nearest to the eye, and nearer than `behind`.
 ///
 /// The grid is within half a pixel of the surface, parameter by parameter: whatever lies under the centre has its
 /// triangle that near, and refinement from that triangle finds it.
-fn search(shader: &Shader, number: u32, pixel: u32, behind: f32) -> Option<(f32, u64)> {
-    let mut best: Option<(f32, u64)> = None;
+fn search(shader: &Shader, number: u32, pixel: u32, behind: f32) -> Option<Hit> {
     let mut surface = shader.surface(number);
     surface.any_sheet = true;
     let quads = shader.grids[number as usize].quads;
@@ -78,16 +89,17 @@ fn search(shader: &Shader, number: u32, pixel: u32, behind: f32) -> Option<(f32,
             [nearest, corners[0], corners[1], corners[2]].map(|start| (start, word))
         })
         .collect();
+    let mut best: Option<Hit> = None;
     for starts in starts.chunks(LANES) {
         let mut batch = Batch { x: [x; LANES], y: [y; LANES], ..Batch::default() };
         for k in 0..LANES {
             [batch.s[k], batch.t[k]] = starts[k.min(starts.len() - 1)].0;
         }
         shader.refine(&surface, shader.options.refine, &mut batch);
-        for (k, &(_, word)) in starts.iter().enumerate().filter(|&(k, _)| batch.residual[k] <= EXACT) {
+        for (k, &(_, triangle)) in starts.iter().enumerate().filter(|&(k, _)| batch.residual[k] <= EXACT) {
             let depth = shader.stored_depth(surface.depth_origin + batch.z[k]);
-            if depth > behind && best.is_none_or(|b| (depth, word) > b) {
-                best = Some((depth, word));
+            if depth > behind && best.as_ref().is_none_or(|b| (depth, triangle) > (b.depth, b.triangle)) {
+                best = Some(Hit { depth, triangle, parameters: [batch.s[k], batch.t[k]] });
             }
         }
     }

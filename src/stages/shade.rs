@@ -55,6 +55,13 @@ pub(super) fn shade(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fil
             });
         }
     });
+    // Where a filled pixel's parameters are known, they stand: its triangle would lead astray near a silhouette.
+    let near = &targets.near;
+    let surfels: Vec<Surfel> = filled.par_iter().map(|f| shader.surfel(near[f.pixel as usize], f)).collect();
+    for (f, surfel) in filled.iter().zip(surfels) {
+        targets.parameters[f.pixel as usize] = surfel.parameters;
+        targets.color[f.pixel as usize] = surfel.color;
+    }
 }
 
 /// One shaded pixel.
@@ -110,9 +117,9 @@ impl Shader<'_> {
                 break;
             }
             let word = |k: usize| words[batch[k] as usize];
-            self.batch(&surface, leaf, &batch.map(|p| p + first)[..count], word, &mut |k, surfel| {
-                write(batch[k] as usize, surfel);
-            });
+            let pixels = &batch.map(|p| p + first)[..count];
+            let start = |k: usize| self.interpolated(leaf, word(k), pixels[k]);
+            self.batch(&surface, leaf, pixels, start, word, &mut |k, surfel| write(batch[k] as usize, surfel));
         }
     }
 
@@ -140,18 +147,16 @@ impl Shader<'_> {
         surface: &Surface,
         number: u32,
         pixels: &[u32],
+        start: impl Fn(usize) -> [f32; 2],
         word: impl Fn(usize) -> u64,
         write: &mut impl FnMut(usize, Surfel),
     ) {
         let leaf = &self.leaves[number as usize];
-        let width = self.lens.size[0];
         let mut lanes = Batch::default();
         for k in 0..LANES {
             // Lanes to spare repeat the last pixel: same arithmetic, no special case.
             let j = k.min(pixels.len() - 1);
-            let (x, y) = (pixels[j] % width, pixels[j] / width);
-            let quads = self.grids[number as usize].quads;
-            [lanes.s[k], lanes.t[k]] = interpolate(self.meshlets, quads, word(j), x, y);
+            [lanes.s[k], lanes.t[k]] = start(j);
             [lanes.x[k], lanes.y[k]] = self.target(leaf, pixels[j]);
         }
         self.refine(surface, self.options.refine, &mut lanes);
@@ -186,11 +191,31 @@ impl Shader<'_> {
         if lens.perspective { lens.near as f32 / z } else { 1.0 - (z - lens.near as f32) / lens.extent as f32 }
     }
 
-    /// One pixel as if it showed `word`.
-    pub(super) fn surfel(&self, pixel: u32, word: u64) -> Surfel {
+    /// A stored depth that is nearer by the depth tolerance; 0 for background.
+    pub(super) fn nearer_by_tolerance(&self, stored: f32) -> f32 {
+        let lens = self.lens;
+        if stored == 0.0 {
+            return 0.0;
+        }
+        let z = if lens.perspective {
+            lens.near / f64::from(stored)
+        } else {
+            lens.near + (1.0 - f64::from(stored)) * lens.extent
+        };
+        self.stored_depth((z - self.options.depth_tolerance * lens.pixel_size(z)) as f32)
+    }
+
+    fn interpolated(&self, leaf: u32, word: u64, pixel: u32) -> [f32; 2] {
+        let width = self.lens.size[0];
+        interpolate(self.meshlets, self.grids[leaf as usize].quads, word, pixel % width, pixel / width)
+    }
+
+    /// A filled pixel as if it showed `word`.
+    pub(super) fn surfel(&self, word: u64, filled: &Filled) -> Surfel {
         let leaf = self.meshlets.meshlets[meshlet_of(word) as usize].leaf;
+        let start = filled.start.unwrap_or_else(|| self.interpolated(leaf, word, filled.pixel));
         let mut found = Surfel { parameters: [0.0; 2], color: [0.0; 3], residual: f32::INFINITY };
-        self.batch(&self.surface(leaf), leaf, &[pixel], |_| word, &mut |_, surfel| found = surfel);
+        self.batch(&self.surface(leaf), leaf, &[filled.pixel], |_| start, |_| word, &mut |_, surfel| found = surfel);
         found
     }
 
