@@ -28,7 +28,8 @@ pub struct ModelArgs {
     #[arg(long)]
     pub strict: bool,
     /// Threads to use [default: one a core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024),
+          allow_hyphen_values = true)]
     pub threads: Option<u16>,
 }
 
@@ -38,7 +39,7 @@ pub struct FrameArgs {
     #[command(flatten)]
     pub model: ModelArgs,
     /// Image size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
     pub size: [u32; 2],
     /// Where to look from
     #[arg(long, value_enum, default_value_t)]
@@ -72,7 +73,7 @@ pub struct FrameArgs {
     pub fill: Fill,
     /// Newton steps a pixel towards the exact surface point
     #[arg(long, value_name = "N", default_value_t = Options::default().refine,
-          value_parser = clap::value_parser!(u32).range(0..=16))]
+          value_parser = clap::value_parser!(u32).range(0..=16), allow_hyphen_values = true)]
     pub refine: u32,
     /// Back-patch culling
     #[arg(long, value_enum, default_value_t)]
