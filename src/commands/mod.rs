@@ -5,12 +5,16 @@
 
 pub mod args;
 pub mod attributes;
+pub mod bench;
 pub mod compare;
 pub mod devices;
 pub mod image;
 pub mod info;
+pub mod measure;
 pub mod output;
 pub mod render;
+pub mod results;
+pub mod sweep;
 pub mod used;
 pub mod verify;
 
@@ -31,6 +35,7 @@ pub enum Command {
     Verify(verify::Args),
     Info(info::Args),
     Compare(compare::Args),
+    Bench(bench::Args),
     Devices(devices::Args),
 }
 
@@ -61,6 +66,7 @@ fn run(command: Command) -> anyhow::Result<ExitCode> {
         Command::Verify(args) => verify::run(args),
         Command::Info(args) => info::run(args),
         Command::Compare(args) => compare::run(args),
+        Command::Bench(args) => bench::run(args),
         Command::Devices(args) => devices::run(args),
     }
 }

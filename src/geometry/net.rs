@@ -128,7 +128,11 @@ impl<'a> Net<'a> {
         self.points.iter().any(|p| (p.w - w0).abs() > 1e-14 * w0.abs())
     }
 
-    /// Homogeneous point and first derivatives at (u, v), by de Casteljau (backward stable for u, v in [0, 1]).
+    /// Homogeneous point and first derivatives at (u, v) in [0,1]², by de Casteljau.
+    ///
+    /// With m and n the degrees, e = 2^-53 and P the largest control coordinate in that component, the point is within
+    /// 3 (m + n) e P of the exact one and `du` within 2 m (3 (m + n) + 2) e P (`dv` likewise), to first order in e:
+    /// every level is a convex combination with three roundings.
     pub fn jet(&self, u: f64, v: f64) -> Jet {
         let [m, n] = self.degree;
         let mut row = [DVec4::ZERO; MAX_DEGREE + 1];
@@ -155,7 +159,7 @@ impl<'a> Net<'a> {
     }
 
     /// The control net in space (weights divided out).
-    pub fn hull(&self) -> impl Iterator<Item = DVec3> + 'a {
+    pub fn hull(&self) -> impl Iterator<Item = DVec3> + use<'a> {
         self.points.iter().map(|p| p.truncate() / p.w)
     }
 

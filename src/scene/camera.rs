@@ -2,7 +2,7 @@
 
 use super::Bounds;
 use glam::{DVec2, DVec3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// How camera space becomes pixels.
@@ -16,7 +16,7 @@ pub enum Projection {
 }
 
 /// The seven named directions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum View {
     #[default]

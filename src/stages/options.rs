@@ -1,9 +1,9 @@
 //! What a frame is asked to do; the names are those of the command line.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The tessellation bound (DESIGN section 4). Each certifies one interpolation of the parameters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Bound {
     /// Per-axis bound from object-space enclosures of the second derivatives; proved, affine.
@@ -30,7 +30,7 @@ pub enum Interpolation {
 }
 
 /// How quads are grouped into meshlets.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Grid {
     /// As many quads as the bound asks for, in meshlets of up to 7x7.
@@ -41,7 +41,7 @@ pub enum Grid {
 }
 
 /// How cracks between grids are closed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Fill {
     #[default]
@@ -53,7 +53,7 @@ pub enum Fill {
 }
 
 /// Back-patch culling for surfaces that bound a solid.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Cull {
     Off,
@@ -64,7 +64,7 @@ pub enum Cull {
 }
 
 /// What the picture shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum Show {
     #[default]

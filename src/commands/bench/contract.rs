@@ -1,0 +1,164 @@
+//! Is the accuracy contract kept? Every model, view, zoom, projection and bound before the oracle.
+
+use super::{Effort, Findings, SuiteArgs, progress_bar, report, results};
+use crate::commands::args::ProjectionKind;
+use crate::commands::measure::{Subject, shot};
+use crate::commands::sweep::Usual;
+use crate::report::{Cell, Errors, Machine, Outcome, Row, Setting, Summary, Table, name};
+use crate::scene::View;
+use crate::stages::{Bound, Grid};
+use anyhow::{Context, Result};
+
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    pub suite: SuiteArgs,
+    #[command(flatten)]
+    pub effort: Effort,
+    /// Keep the rows that PREFIX.json holds from the same commit, and measure only what it lacks
+    #[arg(long, requires = "output")]
+    pub resume: bool,
+}
+
+const USUAL: Usual = Usual {
+    bounds: &Bound::ALL,
+    grids: &[Grid::Variable],
+    tolerances: &[0.5],
+    views: &View::ALL,
+    zooms: &[1.0, 8.0, 64.0],
+    projections: &[ProjectionKind::Perspective, ProjectionKind::Orthographic],
+};
+
+pub fn run(args: &Args) -> Result<()> {
+    args.suite.frame.model.install(|| {
+        let mut rows = if args.resume { earlier(args)? } else { Vec::new() };
+        for model in args.suite.models() {
+            let (_, scene) = model.load_scene()?;
+            let subject = Subject::new(&model.model, &scene, args.effort);
+            measure(args, subject, &mut rows)?;
+        }
+        findings(rows).publish(&args.suite.results)
+    })
+}
+
+/// Rows of the same commit; those of another one are measured anew.
+fn earlier(args: &Args) -> Result<Vec<Row>> {
+    let Some(prefix) = &args.suite.results.output else { return Ok(Vec::new()) };
+    let path = results::with_suffix(prefix, ".json");
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let mut rows = report::from_json(&text)
+        .with_context(|| format!("{} holds no rows: start without --resume", path.display()))?;
+    let commit = Machine::here(0).commit;
+    rows.retain(|row| row.machine.commit == commit);
+    Ok(rows)
+}
+
+fn measure(args: &Args, mut subject: Subject<'_>, rows: &mut Vec<Row>) -> Result<()> {
+    let sweep = args.suite.sweep.resolve(&args.suite.frame, &USUAL)?;
+    let bar = progress_bar("verifying");
+    bar.set_length(sweep.len() as u64);
+    for view in &sweep.shots {
+        for options in &sweep.options {
+            let key = (shot(view), Setting::from(options));
+            if !rows.iter().any(|r| r.model == subject.model && r.shot == key.0 && r.setting == key.1) {
+                rows.push(subject.row(view, options)?);
+            }
+            bar.inc(1);
+        }
+        if let Some(prefix) = &args.suite.results.output {
+            // The machine is slow and this takes hours: keep what there is.
+            results::write(prefix, ".json", &(report::to_json(rows)? + "\n"))?;
+        }
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+fn findings(rows: Vec<Row>) -> Findings {
+    let broken: Vec<Row> = rows.iter().filter(|r| r.errors().is_some_and(|e| e.broken() > 0)).cloned().collect();
+    Findings {
+        title: "The accuracy contract",
+        about: "Sums over all shots of a model; errors are the largest of all shots, in pixels. Covering and depth \
+                failures also per 100,000 checked pixels. What a bound refuses is not counted as kept."
+            .into(),
+        tables: vec![
+            ("By model and bound".into(), summary(&rows)),
+            ("Shots that break the contract".into(), report::brief(&broken)),
+        ],
+        rows,
+    }
+}
+
+/// One line a model and bound (grid and tolerance too, where they vary).
+fn summary(rows: &[Row]) -> Table {
+    let mut table = Table::new(&[
+        "model",
+        "bound",
+        "grid",
+        "t px",
+        "shots",
+        "refused",
+        "checked",
+        "violations",
+        "cracks",
+        "covering",
+        "per 1e5",
+        "depth",
+        "per 1e5",
+        "grid max px",
+        "param max px",
+        "refined max px",
+        "note",
+    ]);
+    let key = |r: &Row| (r.model.clone(), name(r.setting.bound), name(r.setting.grid), r.setting.tolerance.to_bits());
+    let mut keys = Vec::new();
+    for row in rows {
+        if !keys.contains(&key(row)) {
+            keys.push(key(row));
+        }
+    }
+    for k in keys {
+        table.push(summary_line(&rows.iter().filter(|r| key(r) == k).collect::<Vec<_>>()));
+    }
+    table
+}
+
+fn summary_line(rows: &[&Row]) -> Vec<Cell> {
+    let Setting { bound, grid, tolerance, .. } = rows[0].setting;
+    let errors: Vec<&Errors> = rows.iter().filter_map(|r| r.errors()).collect();
+    let sum = |get: fn(&Errors) -> u64| (!errors.is_empty()).then(|| errors.iter().map(|e| get(e)).sum::<u64>());
+    let checked = sum(|e| e.checked);
+    let rate = |n: Option<u64>| Some(n? as f64 * 1e5 / checked.filter(|&c| c > 0)? as f64);
+    let worst =
+        |get: fn(&Errors) -> Option<Summary>| errors.iter().filter_map(|e| get(e)).map(|s| s.max).reduce(f64::max);
+    let (covering, depth) = (sum(|e| e.covering_failures), sum(|e| e.depth_failures));
+    let reasons: Vec<&str> = rows
+        .iter()
+        .filter_map(|r| match &r.outcome {
+            Outcome::Refused(reason) => Some(reason.as_str()),
+            Outcome::Measured(_) => None,
+        })
+        .collect();
+    vec![
+        rows[0].model.as_str().into(),
+        name(bound).into(),
+        name(grid).into(),
+        tolerance.into(),
+        rows.len().into(),
+        reasons.len().into(),
+        checked.into(),
+        sum(|e| e.violations).into(),
+        sum(|e| e.cracks).into(),
+        covering.into(),
+        rate(covering).into(),
+        depth.into(),
+        rate(depth).into(),
+        worst(|e| e.grid).into(),
+        worst(|e| e.parametric).into(),
+        worst(|e| e.refined).into(),
+        reasons.first().map_or(String::new(), |r| format!("refused: {r}")).into(),
+    ]
+}

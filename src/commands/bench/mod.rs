@@ -1,0 +1,117 @@
+//! `halfpixel bench`: the suites behind every committed figure; bench/README.md holds what they found.
+
+mod contract;
+mod floor;
+mod quads;
+mod speed;
+mod stability;
+
+use super::args::{FrameArgs, ModelArgs, progress_bar};
+use super::measure::Effort;
+use super::sweep::SweepArgs;
+use super::{output, results};
+use crate::report::{self, Machine, Row, Table};
+use anyhow::Result;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Run a suite of measurements
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    pub suite: Suite,
+}
+
+#[derive(Clone, Debug, clap::Subcommand)]
+pub enum Suite {
+    /// Every view before the oracle: is the accuracy contract kept?
+    ///
+    /// By default 7 views x zooms 1, 8, 64 x both projections x all bounds.
+    Contract(contract::Args),
+    /// Quads and triangles of every bound against ETER's
+    Quads(SuiteArgs),
+    /// Stage times, their floors, and the geometry's against ETER's in the same run
+    Speed(speed::Args),
+    /// The hard cases: what the frame makes of each, what is refused and why
+    Stability(stability::Args),
+}
+
+/// What suites over models have in common.
+#[derive(Clone, Debug, clap::Args)]
+pub struct SuiteArgs {
+    #[command(flatten)]
+    pub frame: FrameArgs,
+    /// More models
+    #[arg(value_name = "MODEL")]
+    pub more: Vec<String>,
+    #[command(flatten)]
+    pub sweep: SweepArgs,
+    #[command(flatten)]
+    pub results: ResultArgs,
+}
+
+/// Where results go.
+#[derive(Clone, Debug, clap::Args)]
+pub struct ResultArgs {
+    /// Where results go: PREFIX.md, PREFIX.csv, PREFIX.json
+    #[arg(short, long, value_name = "DIR/PREFIX")]
+    pub output: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What a suite found.
+struct Findings {
+    title: &'static str,
+    /// What a reader must know to read the tables.
+    about: String,
+    /// Heading and table.
+    tables: Vec<(String, Table)>,
+    rows: Vec<Row>,
+}
+
+pub fn run(args: Args) -> Result<ExitCode> {
+    match args.suite {
+        Suite::Contract(args) => contract::run(&args)?,
+        Suite::Quads(args) => quads::run(&args)?,
+        Suite::Speed(args) => speed::run(&args)?,
+        Suite::Stability(args) => stability::run(&args)?,
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+impl SuiteArgs {
+    /// All models asked for, each with the other arguments.
+    fn models(&self) -> impl Iterator<Item = ModelArgs> {
+        let first = &self.frame.model;
+        let more = self.more.iter().map(|model| ModelArgs { model: model.clone(), ..first.clone() });
+        std::iter::once(first.clone()).chain(more)
+    }
+}
+
+impl Findings {
+    /// Prints the findings and writes them where that was asked for.
+    fn publish(&self, args: &ResultArgs) -> Result<()> {
+        if let Some(prefix) = &args.output {
+            results::write(prefix, ".md", &self.markdown(1))?;
+            results::write(prefix, ".csv", &report::full(&self.rows).csv())?;
+            results::write(prefix, ".json", &(report::to_json(&self.rows)? + "\n"))?;
+        }
+        if args.json {
+            return output::print_json(&serde_json::json!({ "suite": self.title, "rows": self.rows }));
+        }
+        output::print(self.markdown(1).trim_end())
+    }
+
+    fn markdown(&self, level: usize) -> String {
+        let mut text = format!("{} {}\n\n{}\n", "#".repeat(level), self.title, self.about);
+        if let Some(Row { machine: Machine { device, threads, commit, date }, .. }) = self.rows.first() {
+            text += &format!("\nMeasured on {device} with {threads} threads, commit {commit}, {date}.\n");
+        }
+        for (heading, table) in self.tables.iter().filter(|(_, table)| !table.is_empty()) {
+            text += &format!("\n{} {heading}\n\n{}", "#".repeat(level + 1), table.markdown());
+        }
+        text
+    }
+}
