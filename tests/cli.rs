@@ -2,6 +2,13 @@
 
 mod support;
 
+use clap::Parser;
+use glam::{DVec2, Vec3};
+use halfpixel::commands::Cli;
+use halfpixel::commands::attributes::{NO_ID, attributes};
+use halfpixel::import;
+use halfpixel::scene::{ViewSpec, prepare};
+use halfpixel::stages::{Options, Renderer};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -78,6 +85,8 @@ fn wrong_usage_is_one_line_and_status_2() {
         &["render", "builtin:teapot", "-o", "picture.jpg"],
         &["render", "builtin:teapot", "-o", "picture"],
         &["info", "builtin:nothing"],
+        &["render", "builtin:teapot", "-o", "a.png", "--size", "-1x5"],
+        &["render", "builtin:teapot", "-o", "a.png", "--bound", "best"],
     ] {
         error_line(arguments, 2);
     }
@@ -103,8 +112,10 @@ fn values_out_of_range_are_wrong_usage() {
         ("--show", &["all"]),
     ] {
         for value in values {
-            let line = error_line(&["render", "builtin:teapot", "-o", "a.png", option, value], 2);
-            assert!(line.contains(option), "{option} {value}: {line}");
+            // Parsed here: that the program makes one line and status 2 of it is tested above.
+            let arguments = ["halfpixel", "render", "builtin:teapot", "-o", "a.png", option, value];
+            let message = Cli::try_parse_from(arguments).expect_err(value).to_string();
+            assert!(message.contains(option), "{option} {value}: {message}");
         }
     }
     let same = ["render", "builtin:teapot", "-o", "a.png", "--eye", "1,2,3", "--target", "1,2,3"];
@@ -209,6 +220,32 @@ fn render_writes_png_exr_stats_and_json() {
     check_exr(Path::new(&exr));
     let left: Vec<_> = std::fs::read_dir(&folder.0).expect("the folder").flatten().map(|e| e.file_name()).collect();
     assert_eq!(left.len(), 3, "no temporary files stay: {left:?}");
+}
+
+#[test]
+fn attributes_are_those_of_the_exact_surface() {
+    let model = import::load("builtin:sphere").expect("a built-in model");
+    let scene = prepare(&model, &|_, _| {}).expect("a scene");
+    for orthographic in [false, true] {
+        let view = ViewSpec { size: [96, 64], orthographic, ..ViewSpec::default() };
+        let camera = view.camera(&scene.bounds).expect("a camera");
+        let frame = Renderer::new(&scene).render(&camera, &Options::default()).expect("a frame");
+        let pixels = attributes(&scene, &frame);
+        let shown = pixels.iter().enumerate().filter(|(_, p)| p.id[0] != NO_ID);
+        assert!(shown.clone().count() > 500);
+        for (index, pixel) in shown {
+            let center = DVec2::new((index % 96) as f64 + 0.5, (index / 96) as f64 + 0.5);
+            let position = Vec3::from(pixel.position).as_dvec3();
+            let normal = Vec3::from(pixel.normal).as_dvec3();
+            assert!((position.length() - 1.0).abs() < 1e-6, "on the unit sphere: {position}");
+            assert!((normal - position).length() < 1e-5, "{normal} at {position}, outward");
+            let miss = (camera.project(camera.to_camera(position)) - center).abs().max_element();
+            assert!(miss <= 0.5 + 1e-4, "{miss} px from its centre");
+            assert!((f64::from(pixel.depth) - camera.to_camera(position).z).abs() < 1e-5);
+        }
+        let background = pixels.iter().find(|p| p.id[0] == NO_ID).expect("a corner");
+        assert_eq!((background.position, background.normal, background.depth), ([0.0; 3], [0.0; 3], 0.0));
+    }
 }
 
 fn check_png(path: &Path) {
