@@ -192,7 +192,7 @@ fn devices_are_listed() {
 #[cfg(unix)]
 fn a_closed_pipe_is_quiet() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_halfpixel"));
-    let spawned = command.args(["info", "builtin:stress"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
+    let spawned = command.args(["info", "builtin:sphere"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn();
     let mut child = spawned.expect("the program starts");
     drop(child.stdout.take());
     let output = child.wait_with_output().expect("the program ends");
