@@ -244,6 +244,10 @@ fn parse_number(text: &str) -> Result<f64, String> {
 fn parse_point(text: &str) -> Result<DVec3, String> {
     let numbers = text.split(',').map(parse_number).collect::<Result<Vec<_>, _>>()?;
     let point: [f64; 3] = numbers.try_into().map_err(|_| "expected three numbers X,Y,Z")?;
+    // Squares stay in range.
+    if point.iter().any(|x| x.abs() > 1e100) {
+        return Err("coordinates must be at most 1e100".into());
+    }
     Ok(point.into())
 }
 
