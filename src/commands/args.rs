@@ -3,15 +3,13 @@
 use super::{UsageError, output};
 use crate::import::{self, ImportError};
 use crate::model::Model;
-use crate::scene::{Camera, Scene, View, ViewSpec, prepare};
+use crate::scene::{Camera, MAX_SIDE, Scene, View, ViewSpec, prepare};
 use crate::stages::{Bound, Cull, Fill, Grid, Options, Show};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use glam::{DAffine3, DMat3, DVec3};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Largest image side, as for cameras.
-const MAX_SIDE: u32 = 16384;
 /// More pixels than this need a renderer that works in tiles.
 const MAX_PIXELS: u64 = 1 << 27;
 
