@@ -5,7 +5,7 @@ mod closure;
 mod enclosure;
 mod prepare;
 
-pub use camera::{Camera, CameraError, Projection, View, ViewSpec};
+pub use camera::{Camera, CameraError, MAX_SIDE, Projection, View, ViewSpec};
 pub use closure::visible_sides;
 pub use enclosure::{enclose, normal_cone};
 pub use prepare::{PrepareError, prepare};
