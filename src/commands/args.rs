@@ -1,7 +1,7 @@
 //! Arguments that commands share: the model, and everything that decides a frame.
 
 use super::{UsageError, output};
-use crate::import;
+use crate::import::{self, ImportError};
 use crate::model::Model;
 use crate::scene::{Camera, Scene, View, ViewSpec, prepare};
 use crate::stages::{Bound, Cull, Fill, Grid, Options, Show};
@@ -108,14 +108,18 @@ impl ModelArgs {
     /// Reads the model and turns it upright. What could not be taken over is counted on standard error, or with
     /// `--strict` an error.
     pub fn load(&self) -> Result<Model> {
+        let model = self.load_silently()?;
+        if let Some(line) = warnings_line(&model) {
+            output::warning_line(&format!("{}: {line}; `halfpixel info` lists them", self.model));
+        }
+        Ok(model)
+    }
+
+    /// As `load`, for a caller that shows the warnings itself.
+    pub fn load_silently(&self) -> Result<Model> {
         let mut model = load_model(&self.model)?;
-        if let Some(first) = model.warnings.first() {
-            let count = model.warnings.len();
-            let listed = if count == 1 { "one warning" } else { &format!("{count} warnings, the first") };
-            if self.strict {
-                bail!("{}: {listed}: {}: leave out --strict to go on without it", self.model, first.message);
-            }
-            output::warning_line(&format!("{}: {listed}: {} (`halfpixel info` lists all)", self.model, first.message));
+        if let Some(line) = warnings_line(&model).filter(|_| self.strict) {
+            bail!("{}: {line}: leave out --strict to go on without that", self.model);
         }
         if self.up_axis == UpAxis::Y {
             // A quarter turn about x takes +y to +z.
@@ -182,7 +186,10 @@ impl FrameArgs {
 
 /// Reads a model from a file or by the name of a built-in one.
 pub fn load_model(source: &str) -> Result<Model> {
-    Ok(import::load(source)?)
+    import::load(source).map_err(|error| match error {
+        ImportError::Builtin(unknown) => UsageError(unknown.to_string()).into(),
+        error => error.into(),
+    })
 }
 
 /// Prepares a model; on a terminal, standard error shows how far it is.
@@ -205,6 +212,15 @@ pub fn progress_bar(what: &'static str) -> ProgressBar {
     }
     bar.set_message(what);
     bar
+}
+
+/// How many warnings a model has, and the first of them.
+fn warnings_line(model: &Model) -> Option<String> {
+    let first = &model.warnings.first()?.message;
+    match model.warnings.len() {
+        1 => Some(format!("1 warning: {first}")),
+        count => Some(format!("{count} warnings, the first: {first}")),
+    }
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {

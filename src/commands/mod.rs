@@ -4,15 +4,18 @@
 //! standard error. With `--json`, standard output is one JSON object and nothing else.
 
 pub mod args;
+pub mod attributes;
 pub mod bench;
 pub mod compare;
 pub mod devices;
+pub mod image;
 pub mod info;
 pub mod measure;
 pub mod output;
 pub mod render;
 pub mod results;
 pub mod sweep;
+pub mod used;
 pub mod verify;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand, error::ErrorKind};
@@ -20,7 +23,7 @@ use std::{ffi::OsString, process::ExitCode};
 
 /// Pixel-accurate pictures of NURBS models, with the error measured.
 #[derive(Debug, Parser)]
-#[command(name = "halfpixel", version, disable_help_subcommand = true)]
+#[command(name = "halfpixel", version, disable_help_subcommand = true, arg_required_else_help = false)]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,

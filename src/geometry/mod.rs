@@ -3,9 +3,20 @@
 //! Control points are homogeneous, `(wx, wy, wz, w)` with `w > 0`. Control nets are row major with u outermost:
 //! `points[i * (degree_v + 1) + j]` belongs to `B_i(u) B_j(v)`.
 
+mod area;
 pub mod bernstein;
+mod curve;
 mod error;
+pub mod exact;
+mod knots;
 mod net;
+mod surface;
+mod triangle;
 
+pub use area::{Estimate, patch_area, rough_patch_area};
+pub use curve::{BezierCurve, CurvePiece, NurbsCurve};
 pub use error::GeometryError;
-pub use net::{BezierPatch, Jet, Net, SurfacePoint};
+pub use knots::Knots;
+pub use net::{BezierPatch, Jet, MAX_DEGREE, Net, SurfacePoint};
+pub use surface::{NurbsSurface, PatchPiece};
+pub use triangle::triangle_to_tensor;

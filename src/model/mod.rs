@@ -1,6 +1,10 @@
 //! What a file means: surfaces, faces, parts and where they stand. No pixels.
 
-use crate::geometry::BezierPatch;
+mod figures;
+
+pub use figures::Figures;
+
+use crate::geometry::{BezierPatch, PatchPiece};
 use glam::{DAffine3, DVec3};
 
 /// Everything that was read from one file (or built in).
@@ -79,6 +83,13 @@ impl Surface {
     /// One patch over the unit square.
     pub fn single(patch: BezierPatch) -> Self {
         Self { patches: vec![SurfacePatch { patch, domain: [[0.0, 1.0], [0.0, 1.0]] }] }
+    }
+}
+
+impl From<Vec<PatchPiece>> for Surface {
+    fn from(pieces: Vec<PatchPiece>) -> Self {
+        let patches = pieces.into_iter().map(|PatchPiece { patch, domain }| SurfacePatch { patch, domain });
+        Self { patches: patches.collect() }
     }
 }
 

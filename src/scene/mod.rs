@@ -1,9 +1,13 @@
 //! Prepare: rational Bézier patches about local origins with what the frame needs to know of them, and cameras.
 
 mod camera;
+mod closure;
+mod enclosure;
 mod prepare;
 
 pub use camera::{Camera, CameraError, Projection, View, ViewSpec};
+pub use closure::is_closed;
+pub use enclosure::{enclose, normal_cone};
 pub use prepare::{PrepareError, prepare};
 
 use crate::geometry::Net;

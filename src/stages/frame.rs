@@ -1,9 +1,25 @@
 //! The frame: its buffers, its statistics, and the order of the stages.
 
-use super::Options;
+use super::basis::BasisTables;
+use super::cull::{Culler, Leaf, Leaves};
+use super::estimate::{Tessellation, estimate};
+use super::evaluate::{Meshlets, evaluate};
+use super::fill::{Filled, fill};
+use super::interpolate::interpolate;
+use super::lens::Lens;
+use super::rasterize::{BAND, rasterize};
+use super::shade::{Shader, shade};
+use super::slefe;
+use super::stats::{Clock, Stats};
+use super::stroke::Pen;
+use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
+use super::{Bound, Options};
 use crate::scene::{Camera, Scene};
-use serde::Serialize;
+use rayon::prelude::*;
 use thiserror::Error;
+
+/// Patches one task culls and estimates.
+const CHUNK: usize = 128;
 
 /// What the frame stores for one drawn pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,38 +34,38 @@ pub struct Pixel {
     pub stored: [f64; 2],
     /// Stored depth (larger is nearer).
     pub depth: f32,
-    /// The stroke buffer decided this pixel.
+    /// The spare buffer decided this pixel.
     pub filled: bool,
-}
-
-/// Wall-clock time of one stage.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct StageTime {
-    pub stage: &'static str,
-    pub ms: f64,
-}
-
-/// Counts and times of one frame; one type for every backend.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Stats {
-    pub stages: Vec<StageTime>,
-    pub patches: u64,
-    pub patches_visible: u64,
-    /// Pieces that were drawn: visible patches, or parts of them where they were split.
-    pub leaves: u64,
-    pub meshlets: u64,
-    pub quads: u64,
-    pub triangles: u64,
-    pub filled: u64,
-    pub drawn: u64,
-    pub buffer_bytes: u64,
 }
 
 /// Why a frame could not be made.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RenderError {
-    #[error("{0}")]
-    Todo(String),
+    #[error("face {face}, patch {patch} would be split into more than {limit} pieces at this view")]
+    TooManyLeaves { face: u32, patch: u32, limit: usize },
+    #[error("face {face}, patch {patch} needs a grid of more than {limit} quads however it is split")]
+    GridTooLarge { face: u32, patch: u32, limit: u64 },
+    #[error("this view needs {needed} meshlets; a frame holds {limit}")]
+    TooManyMeshlets { needed: u64, limit: u64 },
+    #[error("a tolerance of {tolerance} px is below what snapping and rounding take ({floor:.4} px)")]
+    ToleranceTooSmall { tolerance: f64, floor: f64 },
+    #[error("the slefe bound covers polynomial patches up to degree 7; face {face} is {what}")]
+    SlefeUnsupported { face: u32, what: String },
+}
+
+/// Image buffers, kept from frame to frame.
+#[derive(Debug, Default)]
+pub(super) struct Targets {
+    /// N, centre-covered fragments; after fill the visibility buffer. 0: background.
+    pub near: Vec<u64>,
+    /// S, what may close a crack.
+    pub spare: Vec<u64>,
+    /// Pixels that `spare` has, by band.
+    pub touched: Vec<Vec<u32>>,
+    /// Leaf parameters; meaningless where `near` is 0.
+    pub parameters: Vec<[f32; 2]>,
+    /// Linear RGB; meaningless where `near` is 0.
+    pub color: Vec<[f32; 3]>,
 }
 
 /// A finished frame.
@@ -58,29 +74,230 @@ pub struct Frame {
     pub camera: Camera,
     pub options: Options,
     pub stats: Stats,
+    targets: Targets,
+    leaves: Vec<Leaf>,
+    grids: Vec<Tessellation>,
+    meshlets: Meshlets,
+    filled: Vec<Filled>,
 }
 
 /// Draws a scene; keeps its buffers from frame to frame.
 #[derive(Debug)]
 pub struct Renderer<'a> {
     scene: &'a Scene,
+    tables: BasisTables,
+    spare_targets: Option<Targets>,
+}
+
+/// What the geometry stages make of all patches.
+#[derive(Default)]
+struct Geometry {
+    leaves: Leaves,
+    grids: Vec<Tessellation>,
 }
 
 impl<'a> Renderer<'a> {
     pub fn new(scene: &'a Scene) -> Self {
-        Self { scene }
+        Self { scene, tables: BasisTables::new(), spare_targets: None }
     }
 
-    /// Draws one frame.
+    /// Draws one frame: cull, estimate, evaluate, rasterize, fill, shade.
     pub fn render(&mut self, camera: &Camera, options: &Options) -> Result<Frame, RenderError> {
-        let _ = (self.scene, camera, options);
-        Err(RenderError::Todo("not written yet".into()))
+        self.check(options)?;
+        let lens = Lens::new(camera);
+        let mut clock = Clock::new();
+        let culled = self.cull(&lens, options)?;
+        clock.stage("cull");
+        let Geometry { leaves, grids } = self.estimate(&lens, options, culled)?;
+        clock.stage("estimate");
+        let meshlets = self.evaluate(&lens, options, &leaves, &grids)?;
+        clock.stage("evaluate");
+        let mut targets = self.take_targets(camera.size);
+        let pens: Vec<Pen> = leaves.leaves.iter().map(|leaf| Pen::new(leaf, options.tolerance)).collect();
+        rasterize(&meshlets, &pens, options.fill, camera.size, &mut targets);
+        clock.stage("rasterize");
+        let mut filled = fill(&meshlets, options.fill, camera.size, &mut targets);
+        clock.stage("fill");
+        let Leaves { leaves, nets, patches_visible } = leaves;
+        let shader = Shader {
+            scene: self.scene,
+            lens: &lens,
+            options,
+            meshlets: &meshlets,
+            leaves: &leaves,
+            nets: &nets,
+            grids: &grids,
+        };
+        shade(&shader, &mut targets, &mut filled);
+        clock.stage("shade");
+        let stats = Stats {
+            stages: clock.stages(),
+            patches: self.scene.instances.iter().map(|i| i.patches.len() as u64).sum(),
+            patches_visible,
+            leaves: leaves.len() as u64,
+            meshlets: meshlets.meshlets.len() as u64,
+            quads: meshlets.quads,
+            triangles: 2 * meshlets.quads,
+            filled: filled.len() as u64,
+            drawn: targets.near.par_iter().filter(|&&word| word != 0).count() as u64,
+            buffer_bytes: targets.bytes() + (meshlets.bytes() + size_of_val(&nets[..]) + size_of_val(&leaves[..])) as u64,
+        };
+        Ok(Frame { camera: *camera, options: *options, stats, targets, leaves, grids, meshlets, filled })
+    }
+
+    /// Takes a frame's buffers back for the next one.
+    pub fn recycle(&mut self, frame: Frame) {
+        self.spare_targets = Some(frame.targets);
+    }
+
+    fn check(&self, options: &Options) -> Result<(), RenderError> {
+        if options.bound != Bound::Slefe {
+            return Ok(());
+        }
+        let unsupported = self.scene.patches.iter().find_map(|p| {
+            let degree = p.degree[0].max(p.degree[1]);
+            let what = if p.rational {
+                "rational".to_string()
+            } else if degree > slefe::MAX_DEGREE {
+                format!("of degree {degree}")
+            } else {
+                return None;
+            };
+            Some(RenderError::SlefeUnsupported { face: self.scene.faces[p.face as usize].id, what })
+        });
+        unsupported.map_or(Ok(()), Err)
+    }
+
+    /// The drawn patches as (instance, patch), in tasks.
+    fn tasks(&self) -> Vec<(u32, std::ops::Range<usize>)> {
+        let mut tasks = Vec::new();
+        for (k, instance) in self.scene.instances.iter().enumerate() {
+            for start in instance.patches.clone().step_by(CHUNK) {
+                tasks.push((k as u32, start..(start + CHUNK).min(instance.patches.end)));
+            }
+        }
+        tasks
+    }
+
+    fn cull(&self, lens: &Lens, options: &Options) -> Result<Vec<Leaves>, RenderError> {
+        let cull_one = |(instance, patches): (u32, std::ops::Range<usize>)| {
+            let mut culler = Culler::new(self.scene, lens, options);
+            let mut leaves = Leaves::default();
+            for patch in patches {
+                culler.patch(instance, patch as u32, &mut leaves)?;
+            }
+            Ok(leaves)
+        };
+        self.tasks().into_par_iter().map(cull_one).collect()
+    }
+
+    fn estimate(&self, lens: &Lens, options: &Options, culled: Vec<Leaves>) -> Result<Geometry, RenderError> {
+        let estimated: Vec<(Leaves, Vec<Tessellation>)> = (culled.into_par_iter())
+            .map(|leaves| estimate(&mut Culler::new(self.scene, lens, options), leaves))
+            .collect::<Result<_, _>>()?;
+        let mut all = Geometry::default();
+        for (leaves, grids) in estimated {
+            let offset = all.leaves.nets.len() as u32;
+            all.leaves.leaves.extend(leaves.leaves.into_iter().map(|leaf| Leaf { net: leaf.net + offset, ..leaf }));
+            all.leaves.nets.extend(leaves.nets);
+            all.leaves.patches_visible += leaves.patches_visible;
+            all.grids.extend(grids);
+        }
+        Ok(all)
+    }
+
+    fn evaluate(
+        &self,
+        lens: &Lens,
+        options: &Options,
+        leaves: &Leaves,
+        grids: &[Tessellation],
+    ) -> Result<Meshlets, RenderError> {
+        let needed: u64 = grids.iter().map(Tessellation::meshlets).sum();
+        if needed > MAX_MESHLETS {
+            return Err(RenderError::TooManyMeshlets { needed, limit: MAX_MESHLETS });
+        }
+        let chunks: Vec<Meshlets> = (leaves.leaves.par_chunks(CHUNK).zip(grids.par_chunks(CHUNK)).enumerate())
+            .map(|(k, (chunk, grids))| evaluate(lens, options, &self.tables, chunk, &leaves.nets, k * CHUNK, grids))
+            .collect();
+        let mut all = Meshlets::default();
+        for chunk in chunks {
+            all.append(chunk);
+        }
+        Ok(all)
+    }
+
+    fn take_targets(&mut self, size: [u32; 2]) -> Targets {
+        let pixels = size[0] as usize * size[1] as usize;
+        let mut targets = self.spare_targets.take().unwrap_or_default();
+        let bands = (size[1] as usize).div_ceil(BAND);
+        if targets.near.len() != pixels || targets.touched.len() != bands {
+            targets = Targets {
+                near: vec![0; pixels],
+                spare: vec![0; pixels],
+                touched: vec![Vec::new(); bands],
+                parameters: vec![[0.0; 2]; pixels],
+                color: vec![[0.0; 3]; pixels],
+            };
+        }
+        targets
+    }
+}
+
+impl Targets {
+    fn bytes(&self) -> u64 {
+        let touched: usize = self.touched.iter().map(|t| t.capacity() * size_of::<u32>()).sum();
+        (touched + self.near.len() * (2 * size_of::<u64>() + size_of::<[f32; 2]>() + size_of::<[f32; 3]>())) as u64
     }
 }
 
 impl Frame {
+    pub fn size(&self) -> [u32; 2] {
+        self.camera.size
+    }
+
     /// What pixel (x, y) shows; `None` where it is background.
-    pub fn pixel(&self, _x: u32, _y: u32) -> Option<Pixel> {
-        None
+    pub fn pixel(&self, x: u32, y: u32) -> Option<Pixel> {
+        let index = y as usize * self.camera.size[0] as usize + x as usize;
+        let word = self.targets.near[index];
+        if word == 0 {
+            return None;
+        }
+        let number = self.meshlets.meshlets[meshlet_of(word) as usize].leaf as usize;
+        let leaf = &self.leaves[number];
+        let interpolated = interpolate(&self.meshlets, self.grids[number].quads, word, x, y);
+        Some(Pixel {
+            instance: leaf.instance,
+            patch: leaf.patch,
+            interpolated: leaf.to_patch(interpolated.map(f64::from)),
+            stored: leaf.to_patch(self.targets.parameters[index].map(f64::from)),
+            depth: depth_of(word),
+            filled: self.is_filled(index, word),
+        })
+    }
+
+    /// Linear RGBA of pixel (x, y); transparent black where it is background.
+    pub fn color(&self, x: u32, y: u32) -> [f32; 4] {
+        let index = y as usize * self.camera.size[0] as usize + x as usize;
+        if self.targets.near[index] == 0 {
+            return [0.0; 4];
+        }
+        let [r, g, b] = self.targets.color[index];
+        [r, g, b, 1.0]
+    }
+
+    /// The visibility word of pixel (x, y): depth bits << 32 | meshlet << 7 | index.
+    pub fn word(&self, x: u32, y: u32) -> u64 {
+        self.targets.near[y as usize * self.camera.size[0] as usize + x as usize]
+    }
+
+    fn is_filled(&self, index: usize, word: u64) -> bool {
+        is_edge(word) || self.filled.binary_search_by_key(&(index as u32), |f| f.pixel).is_ok()
+    }
+
+    /// Linear RGBA of pixel (x, y).
+    pub fn color(&self, _x: u32, _y: u32) -> [f32; 4] {
+        [0.0; 4]
     }
 }
+

@@ -1,0 +1,46 @@
+//! What a frame really used, for every output that states a measurement.
+
+use crate::stages::{Bound, Fill, Grid, Options};
+use fearless_simd::Level;
+use serde::Serialize;
+
+/// The names are those of the JSON outputs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Used {
+    pub backend: &'static str,
+    /// What turned triangles into fragments.
+    pub raster: &'static str,
+    pub bound: Bound,
+    pub fill: Fill,
+    pub grid: Grid,
+    pub device: String,
+    pub threads: usize,
+}
+
+impl Used {
+    /// What a frame with these options uses on the current thread pool.
+    pub fn new(options: &Options) -> Self {
+        Self {
+            backend: "cpu",
+            raster: "software",
+            bound: options.bound,
+            fill: options.fill,
+            grid: options.grid,
+            device: cpu_name(),
+            threads: rayon::current_num_threads(),
+        }
+    }
+}
+
+/// The processor's name as the system tells it, else its architecture.
+pub fn cpu_name() -> String {
+    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = text.lines().find_map(|l| l.strip_prefix("model name")?.split_once(':'));
+    model.map_or(std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
+}
+
+/// The vector instructions that are used here.
+pub fn simd_level() -> String {
+    let text = format!("{:?}", Level::new());
+    text.split(['(', ' ', '{']).next().unwrap_or_default().to_lowercase()
+}

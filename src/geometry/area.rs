@@ -1,0 +1,94 @@
+//! Area of exact surfaces by adaptive quadrature.
+
+use super::Net;
+use glam::DMat3;
+
+/// An integral with a bound on its error that was estimated, not proved.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    pub value: f64,
+    pub error: f64,
+}
+
+/// Nodes and weights of five-point Gauss-Legendre quadrature on [0, 1]; exact for polynomials up to degree 9.
+const GAUSS: [(f64, f64); 5] = [
+    (0.046910077030668004, 0.11846344252809454),
+    (0.23076534494715845, 0.23931433524968324),
+    (0.5, 0.28444444444444444),
+    (0.7692346550528415, 0.23931433524968324),
+    (0.953089922969332, 0.11846344252809454),
+];
+
+/// Cells are not halved more often than this; where the surface has a corner, the error stays and is stated.
+const MAX_DEPTH: u32 = 8;
+
+/// Area of a patch after the linear map `map`, in squared units. A cell is quartered until that changes its area by at
+/// most `tolerance` (squared units); the stated error adds up those last changes.
+pub fn patch_area(net: Net, map: DMat3, tolerance: f64) -> Estimate {
+    let whole = [[0.0, 1.0], [0.0, 1.0]];
+    refine(net, map, tolerance, whole, cell_area(net, map, whole), 0)
+}
+
+/// Area of a patch with one rule over all of it: its order of magnitude.
+pub fn rough_patch_area(net: Net, map: DMat3) -> f64 {
+    cell_area(net, map, [[0.0, 1.0], [0.0, 1.0]])
+}
+
+fn refine(net: Net, map: DMat3, tolerance: f64, cell: [[f64; 2]; 2], coarse: f64, depth: u32) -> Estimate {
+    let halves = cell.map(|[low, high]| [[low, 0.5 * (low + high)], [0.5 * (low + high), high]]);
+    let quarters = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| [halves[0][i], halves[1][j]]);
+    let areas = quarters.map(|quarter| cell_area(net, map, quarter));
+    let value = areas.iter().sum::<f64>();
+    let error = (value - coarse).abs();
+    // Not a number: the patch is out of range for f64, and halving it mends nothing.
+    if error <= tolerance || depth == MAX_DEPTH || error.is_nan() {
+        return Estimate { value, error };
+    }
+    let parts =
+        quarters.iter().zip(areas).map(|(&quarter, area)| refine(net, map, tolerance, quarter, area, depth + 1));
+    parts.fold(Estimate::default(), |a, b| Estimate { value: a.value + b.value, error: a.error + b.error })
+}
+
+fn cell_area(net: Net, map: DMat3, [[u0, u1], [v0, v1]]: [[f64; 2]; 2]) -> f64 {
+    let mut sum = 0.0;
+    for (x, wx) in GAUSS {
+        for (y, wy) in GAUSS {
+            let point = net.surface_point(u0 + x * (u1 - u0), v0 + y * (v1 - v0));
+            sum += wx * wy * (map * point.du).cross(map * point.dv).length();
+        }
+    }
+    sum * (u1 - u0) * (v1 - v0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::BezierPatch;
+    use glam::DVec4;
+    use std::f64::consts::{PI, SQRT_2};
+
+    /// A quarter of a cylinder of radius 1 and height 2.
+    fn quarter_cylinder() -> BezierPatch {
+        let w = SQRT_2 / 2.0;
+        let circle = [(1.0, 0.0, 1.0), (w, w, w), (0.0, 1.0, 1.0)];
+        let points = circle.iter().flat_map(|&(x, y, w)| [DVec4::new(x, y, 0.0, w), DVec4::new(x, y, 2.0 * w, w)]);
+        BezierPatch::new("cylinder", [2, 1], points.collect()).unwrap()
+    }
+
+    #[test]
+    fn cylinder_has_its_area() {
+        let patch = quarter_cylinder();
+        let area = patch_area(patch.net(), DMat3::IDENTITY, 1e-9);
+        assert!((area.value - PI).abs() < 1e-12 && area.error < 1e-8, "{area:?}");
+        let scaled = patch_area(patch.net(), DMat3::from_diagonal(glam::DVec3::new(1.0, 1.0, 3.0)), 1e-9);
+        assert!((scaled.value - 3.0 * PI).abs() < 1e-11, "{scaled:?}");
+    }
+
+    #[test]
+    fn rule_is_exact_to_degree_nine() {
+        for degree in 0..10 {
+            let sum: f64 = GAUSS.iter().map(|(x, w)| w * x.powi(degree)).sum();
+            assert!((sum - 1.0 / f64::from(degree + 1)).abs() < 1e-15, "degree {degree}: {sum}");
+        }
+    }
+}

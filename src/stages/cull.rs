@@ -1,0 +1,347 @@
+//! cull: which patches can be seen, split until the later stages can trust them (DESIGN sections 3 and 4).
+//!
+//! A *leaf* is a patch or a part of one whose control net lies in front of the near plane, spans a depth ratio of at
+//! most 3, and is small enough in pixels that f32 arithmetic about its own screen position stays within its budget.
+
+use super::lens::{Lens, PatchMap};
+use super::{Cull, Options, RenderError};
+use crate::geometry::{BezierPatch, Net};
+use crate::scene::{Enclosure, Patch, Scene, enclose};
+use glam::{DVec3, DVec4, Vec4};
+
+/// Largest depth ratio within a leaf; research "tessellation-bounds" section 4c.
+const DEPTH_RATIO: f64 = 3.0;
+/// Pixels of rounding that evaluation may take out of the tolerance.
+pub(super) const ROUNDING_BUDGET: f64 = 1.0 / 256.0;
+/// Strokes reach a quarter of a pixel past a patch; a whole one is kept.
+const MARGIN: f64 = 1.0;
+/// Halvings of a patch: 2^-60 of its parameter range is below what f64 can tell apart.
+const MAX_DEPTH: u32 = 60;
+/// Leaves one patch may be split into.
+const MAX_LEAVES: usize = 1 << 20;
+
+/// A drawn piece of a patch.
+#[derive(Clone, Debug)]
+pub(super) struct Leaf {
+    pub instance: u32,
+    pub patch: u32,
+    /// Lower corner of its rectangle in the patch's unit square.
+    pub corner: [f64; 2],
+    /// Size of that rectangle.
+    pub extent: [f64; 2],
+    /// The piece's own net and enclosure where the patch was split.
+    pub sub: Option<Box<SubPatch>>,
+    pub degree: [usize; 2],
+    /// Its f32 net in `Leaves::nets`: (X, Y, Z, w) about `center` and `depth_origin`.
+    pub net: u32,
+    /// Pixel, about the image centre, that the f32 net is centred on.
+    pub center: [i32; 2],
+    /// Camera depth that the f32 net is centred on.
+    pub depth_origin: f64,
+    /// Box of the control net: pixels about the image centre (x, y) and camera depth.
+    pub low: DVec3,
+    pub high: DVec3,
+    /// A-priori bound of the rounding of a vertex's screen position, in pixels.
+    pub rounding: f64,
+    pub depth: u32,
+}
+
+/// The exact part of a split patch.
+#[derive(Clone, Debug)]
+pub(super) struct SubPatch {
+    pub net: BezierPatch,
+    pub enclosure: Enclosure,
+}
+
+/// What cull hands on.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Leaves {
+    pub leaves: Vec<Leaf>,
+    pub nets: Vec<Vec4>,
+    pub patches_visible: u64,
+}
+
+impl Leaf {
+    pub fn source<'a>(&'a self, scene: &'a Scene) -> (Net<'a>, &'a Enclosure) {
+        match &self.sub {
+            Some(sub) => (sub.net.net(), &sub.enclosure),
+            None => {
+                let patch = &scene.patches[self.patch as usize];
+                (scene.net(patch), &patch.enclosure)
+            }
+        }
+    }
+
+    pub fn points(&self) -> usize {
+        (self.degree[0] + 1) * (self.degree[1] + 1)
+    }
+
+    /// Leaf parameters to the patch's unit square.
+    pub fn to_patch(&self, s: [f64; 2]) -> [f64; 2] {
+        [self.corner[0] + s[0] * self.extent[0], self.corner[1] + s[1] * self.extent[1]]
+    }
+}
+
+/// A patch, or a part of one, on its way to being a leaf.
+struct Piece {
+    net: Option<BezierPatch>,
+    corner: [f64; 2],
+    extent: [f64; 2],
+    depth: u32,
+}
+
+enum Verdict {
+    Culled,
+    Split,
+    Keep(Box<Leaf>),
+}
+
+/// The leaves of one patch, appended in parameter order.
+pub(super) struct Culler<'a> {
+    pub scene: &'a Scene,
+    pub lens: &'a Lens,
+    pub options: &'a Options,
+    scratch: Vec<DVec4>,
+}
+
+impl<'a> Culler<'a> {
+    pub fn new(scene: &'a Scene, lens: &'a Lens, options: &'a Options) -> Self {
+        Self { scene, lens, options, scratch: Vec::new() }
+    }
+
+    /// Appends what can be seen of a patch.
+    pub fn patch(&mut self, instance: u32, index: u32, out: &mut Leaves) -> Result<(), RenderError> {
+        let patch = &self.scene.patches[index as usize];
+        let map = self.lens.patch_map(&self.scene.instances[instance as usize], patch.origin);
+        if self.is_back_patch(patch, &map) {
+            return Ok(());
+        }
+        let before = out.leaves.len();
+        let whole = Piece { net: None, corner: [0.0; 2], extent: [1.0; 2], depth: 0 };
+        self.pieces(instance, index, &map, whole, out)?;
+        out.patches_visible += u64::from(out.leaves.len() > before);
+        Ok(())
+    }
+
+    /// Splits a leaf once more and culls its halves again: for grids that would not fit.
+    pub fn split_leaf(&mut self, leaf: &Leaf, axis: usize, out: &mut Leaves) -> Result<(), RenderError> {
+        let patch = &self.scene.patches[leaf.patch as usize];
+        let map = self.lens.patch_map(&self.scene.instances[leaf.instance as usize], patch.origin);
+        let piece = Piece { net: None, corner: leaf.corner, extent: leaf.extent, depth: leaf.depth };
+        let halves = halve(leaf.source(self.scene).0, &piece, axis);
+        for half in halves {
+            self.pieces(leaf.instance, leaf.patch, &map, half, out)?;
+        }
+        Ok(())
+    }
+
+    fn pieces(
+        &mut self,
+        instance: u32,
+        index: u32,
+        map: &PatchMap,
+        first: Piece,
+        out: &mut Leaves,
+    ) -> Result<(), RenderError> {
+        let patch = &self.scene.patches[index as usize];
+        let limit = out.leaves.len() + MAX_LEAVES;
+        let mut stack = vec![first];
+        while let Some(piece) = stack.pop() {
+            let net = piece.net.as_ref().map_or(self.scene.net(patch), BezierPatch::net);
+            match self.judge(net, map, &piece) {
+                Verdict::Culled => {}
+                Verdict::Keep(mut leaf) => {
+                    if out.leaves.len() >= limit {
+                        return Err(self.too_many(index));
+                    }
+                    leaf.instance = instance;
+                    leaf.patch = index;
+                    leaf.net = out.nets.len() as u32;
+                    self.push_net(&leaf, &mut out.nets);
+                    if let Some(net) = piece.net {
+                        let enclosure = enclose(net.net());
+                        leaf.sub = Some(Box::new(SubPatch { net, enclosure }));
+                    }
+                    out.leaves.push(*leaf);
+                }
+                Verdict::Split => {
+                    let axis = self.longer_axis(net.degree());
+                    // The lower half is looked at first: leaves stay in parameter order.
+                    let [low, high] = halve(net, &piece, axis);
+                    stack.push(high);
+                    stack.push(low);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn too_many(&self, index: u32) -> RenderError {
+        let face = self.scene.patches[index as usize].face;
+        RenderError::TooManyLeaves { face: self.scene.faces[face as usize].id, patch: index, limit: MAX_LEAVES }
+    }
+
+    /// Projects the net into `scratch` and decides; on `Keep` the net stays in `scratch`.
+    fn judge(&mut self, net: Net, map: &PatchMap, piece: &Piece) -> Verdict {
+        let lens = self.lens;
+        self.scratch.clear();
+        self.scratch.extend(net.points().iter().map(|&p| map.apply(p)));
+        let (z_min, z_max) = range(self.scratch.iter().map(|p| p.z / p.w));
+        // Written so that what is not a number is culled.
+        if !(z_max >= lens.near) || self.outside() {
+            return Verdict::Culled;
+        }
+        if z_min < lens.near {
+            return if self.smaller_than_half_pixel() || piece.depth >= MAX_DEPTH {
+                Verdict::Culled
+            } else {
+                Verdict::Split
+            };
+        }
+        let may_split = piece.depth < MAX_DEPTH;
+        if lens.perspective && z_max > DEPTH_RATIO * z_min && may_split {
+            return Verdict::Split;
+        }
+        let (x_min, x_max) = range(self.scratch.iter().map(|p| p.x / lens.denominator(*p)));
+        let (y_min, y_max) = range(self.scratch.iter().map(|p| p.y / lens.denominator(*p)));
+        let center = [(x_min + x_max) * 0.5, (y_min + y_max) * 0.5].map(f64::round);
+        let reach = (x_max - center[0]).max(center[0] - x_min).max((y_max - center[1]).max(center[1] - y_min));
+        let rounding = rounding_bound(net.degree(), reach);
+        if !(rounding <= ROUNDING_BUDGET) {
+            return if may_split { Verdict::Split } else { Verdict::Culled };
+        }
+        Verdict::Keep(Box::new(Leaf {
+            instance: 0,
+            patch: 0,
+            corner: piece.corner,
+            extent: piece.extent,
+            sub: None,
+            degree: net.degree(),
+            net: 0,
+            center: center.map(|c| c as i32),
+            depth_origin: f64::from(((z_min + z_max) * 0.5) as f32),
+            low: DVec3::new(x_min, y_min, z_min),
+            high: DVec3::new(x_max, y_max, z_max),
+            rounding,
+            depth: piece.depth,
+        }))
+    }
+
+    /// The whole hull lies beyond one side of the image; holds for points behind the eye too.
+    fn outside(&self) -> bool {
+        let lens = self.lens;
+        let beyond = |value: fn(DVec4) -> f64, axis: usize, sign: f64| {
+            let limit = lens.half(axis) + MARGIN;
+            self.scratch.iter().all(|&p| sign * value(p) > limit * lens.denominator(p))
+        };
+        beyond(|p| p.x, 0, 1.0) || beyond(|p| p.x, 0, -1.0) || beyond(|p| p.y, 1, 1.0) || beyond(|p| p.y, 1, -1.0)
+    }
+
+    /// Nothing of a net that crosses the near plane is wider than half a pixel there.
+    fn smaller_than_half_pixel(&self) -> bool {
+        let lens = self.lens;
+        let pixel = lens.pixel_size(lens.near);
+        let (x, y, z) = (
+            range(self.scratch.iter().map(|p| p.x / p.w / lens.scale)),
+            range(self.scratch.iter().map(|p| p.y / p.w / lens.scale)),
+            range(self.scratch.iter().map(|p| p.z / p.w)),
+        );
+        [x, y, z].iter().all(|(lo, hi)| hi - lo < 0.5 * pixel)
+    }
+
+    /// The direction in which the projected control polygons are longer.
+    fn longer_axis(&self, [m, n]: [usize; 2]) -> usize {
+        let lens = self.lens;
+        let near = lens.near;
+        let place = |i: usize, j: usize| {
+            let p = self.scratch[i * (n + 1) + j];
+            let z = p.z / p.w;
+            // Behind the near plane there is no screen: depth stands in, in pixels at the near plane.
+            let d = if lens.perspective { z.max(near) } else { 1.0 };
+            let depth = if lens.perspective { z * lens.scale / d } else { z * lens.scale };
+            DVec3::new(p.x / p.w / d, p.y / p.w / d, if z < near { depth * 4.0 } else { depth })
+        };
+        let along_u = (0..m).flat_map(|i| (0..=n).map(move |j| (i, j)));
+        let along_v = (0..=m).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let u: f64 = along_u.map(|(i, j)| place(i, j).distance(place(i + 1, j))).sum::<f64>() / (n + 1) as f64;
+        let v: f64 = along_v.map(|(i, j)| place(i, j).distance(place(i, j + 1))).sum::<f64>() / (m + 1) as f64;
+        usize::from(v > u)
+    }
+
+    /// All of a solid's patch faces away from the eye.
+    fn is_back_patch(&self, patch: &Patch, map: &PatchMap) -> bool {
+        let solid = self.scene.faces[patch.face as usize].solid;
+        let wanted = match self.options.cull {
+            Cull::Off => false,
+            Cull::Auto => solid,
+            Cull::On => true,
+        };
+        let cone = &patch.cone;
+        if !wanted || cone.cos_angle <= 0.0 {
+            return false;
+        }
+        // A mirroring instance turns the outside in.
+        let [x, y, z] = map.axes;
+        let mirrored = x.cross(y).dot(z) < 0.0;
+        let axis = if mirrored { -cone.axis } else { cone.axis };
+        let cone_angle = cone.cos_angle.clamp(-1.0, 1.0).acos();
+        let (towards, spread) = if self.lens.perspective {
+            match direction_cone(self.scene.net(patch), map) {
+                Some(cone) => cone,
+                None => return false,
+            }
+        } else {
+            (z.normalize(), 0.0)
+        };
+        axis.dot(towards).clamp(-1.0, 1.0).acos() + cone_angle + spread < std::f64::consts::FRAC_PI_2 - 1e-9
+    }
+
+    /// Writes the f32 net of a leaf: centred in f64, then rounded.
+    fn push_net(&self, leaf: &Leaf, nets: &mut Vec<Vec4>) {
+        let [cx, cy] = leaf.center.map(f64::from);
+        for &p in &self.scratch {
+            let d = self.lens.denominator(p);
+            let centred = DVec4::new(p.x - cx * d, p.y - cy * d, p.z - leaf.depth_origin * p.w, p.w);
+            nets.push(centred.as_vec4());
+        }
+    }
+}
+
+/// The cone of directions from the eye to a patch, in the patch's own coordinates: axis and half angle.
+fn direction_cone(net: Net, map: &PatchMap) -> Option<(DVec3, f64)> {
+    // Rows hold scale * axis and the eye's offset: the eye in local coordinates solves rows . (eye, 1) = 0.
+    let linear = glam::DMat3::from_cols(map.rows[0].truncate(), map.rows[1].truncate(), map.rows[2].truncate());
+    let offset = DVec3::new(map.rows[0].w, map.rows[1].w, map.rows[2].w);
+    let eye = -(linear.transpose().inverse() * offset);
+    let directions = || net.hull().map(|p| (p - eye).normalize_or_zero());
+    let axis = directions().sum::<DVec3>().try_normalize()?;
+    let cos = directions().map(|d| d.dot(axis)).fold(1.0, f64::min);
+    (cos > 0.0).then(|| (axis, cos.min(1.0).acos()))
+}
+
+/// Bound of the error of a projected vertex in pixels, for a net `reach` pixels about its centre.
+///
+/// Sums of `n + 1` positive multiples in f32 err by at most `(n + 3) 2^-24` relative to the sum of moduli (Higham,
+/// section 3.1), for both directions, plus one rounding of the input; since all weights are positive that sum is at
+/// most `reach` times the denominator. The denominator errs likewise, and the quotient rounds once more.
+fn rounding_bound(degree: [usize; 2], reach: f64) -> f64 {
+    let gamma = (degree[0] + degree[1] + 8) as f64;
+    (2.0 * gamma + 2.0) * reach * 0.5f64.powi(24)
+}
+
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)))
+}
+
+fn halve(net: Net, piece: &Piece, axis: usize) -> [Piece; 2] {
+    let [low, high] = net.split(axis, 0.5);
+    let mut extent = piece.extent;
+    extent[axis] *= 0.5;
+    let mut upper = piece.corner;
+    upper[axis] += extent[axis];
+    let depth = piece.depth + 1;
+    [
+        Piece { net: Some(low), corner: piece.corner, extent, depth },
+        Piece { net: Some(high), corner: upper, extent, depth },
+    ]
+}

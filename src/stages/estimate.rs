@@ -1,0 +1,167 @@
+//! estimate: the grid of each leaf from its bound (DESIGN section 4; ETER's TFE).
+
+use super::bounds::{Constraints, Subject, constraints};
+use super::cull::{Culler, Leaf, Leaves};
+use super::{Grid, RenderError};
+use glam::Vec4;
+
+/// Half a sub-pixel step: what snapping a vertex to 1/256 pixel may move it.
+const SNAPPING: f64 = 1.0 / 512.0;
+/// Quads along one side of a meshlet: 8 x 8 vertices.
+pub(super) const MESHLET: u32 = 7;
+/// Quads a leaf may have along one side; it is split beyond.
+const MAX_SIDE: u32 = 1 << 12;
+/// Quads a leaf may have in all; it is split beyond, so that what is off screen is culled.
+const MAX_QUADS: u64 = 1 << 14;
+/// Splitting can't mend a grid once a leaf is this small a part of its patch.
+const MAX_DEPTH: u32 = 40;
+
+/// The grid of one leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Tessellation {
+    pub quads: [u32; 2],
+    /// 0: (0,0)-(1,1); 1: (1,0)-(0,1).
+    pub diagonal: u8,
+}
+
+impl Tessellation {
+    /// Meshlets of at most 7 x 7 quads that the grid needs.
+    pub fn meshlets(&self) -> u64 {
+        self.quads.iter().map(|&n| u64::from(n.div_ceil(MESHLET))).product()
+    }
+}
+
+/// Gives every leaf its grid; leaves whose grid would be too large are split and culled again.
+pub(super) fn estimate(culler: &mut Culler, leaves: Leaves) -> Result<(Leaves, Vec<Tessellation>), RenderError> {
+    let mut done = Leaves { patches_visible: leaves.patches_visible, ..Leaves::default() };
+    let mut grids = Vec::with_capacity(leaves.leaves.len());
+    settle(culler, leaves, &mut done, &mut grids)?;
+    Ok((done, grids))
+}
+
+/// Appends the leaves with their grids, or the halves that a grid needs.
+fn settle(
+    culler: &mut Culler,
+    from: Leaves,
+    done: &mut Leaves,
+    grids: &mut Vec<Tessellation>,
+) -> Result<(), RenderError> {
+    for mut leaf in from.leaves {
+        let net = &from.nets[leaf.net as usize..leaf.net as usize + leaf.points()];
+        match grid_of(culler, &leaf, net)? {
+            Ok(grid) => {
+                leaf.net = done.nets.len() as u32;
+                done.nets.extend_from_slice(net);
+                done.leaves.push(leaf);
+                grids.push(grid);
+            }
+            Err(axis) => {
+                let mut halves = Leaves::default();
+                culler.split_leaf(&leaf, axis, &mut halves)?;
+                settle(culler, halves, done, grids)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The leaf's grid, or the axis to split where it would be too large.
+fn grid_of(culler: &Culler, leaf: &Leaf, projected: &[Vec4]) -> Result<Result<Tessellation, usize>, RenderError> {
+    let Culler { scene, lens, options, .. } = *culler;
+    let tolerance = options.tolerance - SNAPPING - leaf.rounding;
+    if tolerance <= 0.0 {
+        return Err(RenderError::ToleranceTooSmall { tolerance: options.tolerance, floor: SNAPPING + leaf.rounding });
+    }
+    let (net, enclosure) = leaf.source(scene);
+    let patch = &scene.patches[leaf.patch as usize];
+    let map = lens.patch_map(&scene.instances[leaf.instance as usize], patch.origin);
+    let subject = Subject {
+        leaf,
+        lens,
+        map: &map,
+        net,
+        enclosure,
+        projected,
+        tolerance,
+        depth_tolerance: options.depth_tolerance * lens.pixel_size(leaf.low.z),
+    };
+    let constraints = constraints(options.bound, &subject);
+    let Some(mut grid) = solve(&constraints) else {
+        return too_large(culler, leaf, &constraints);
+    };
+    if options.grid == Grid::Eter {
+        grid.quads = grid.quads.map(|n| n.next_multiple_of(MESHLET));
+    }
+    let quads = u64::from(grid.quads[0]) * u64::from(grid.quads[1]);
+    if quads > MAX_QUADS {
+        return too_large(culler, leaf, &constraints);
+    }
+    Ok(Ok(grid))
+}
+
+fn too_large(
+    culler: &Culler,
+    leaf: &Leaf,
+    constraints: &Constraints,
+) -> Result<Result<Tessellation, usize>, RenderError> {
+    if leaf.depth >= MAX_DEPTH {
+        let face = culler.scene.patches[leaf.patch as usize].face;
+        let id = culler.scene.faces[face as usize].id;
+        return Err(RenderError::GridTooLarge { face: id, patch: leaf.patch, limit: MAX_QUADS });
+    }
+    let worst = |k: usize| constraints.of(0).iter().map(|c| c[k]).fold(0.0, f64::max);
+    Ok(Err(usize::from(worst(2) > worst(0))))
+}
+
+/// The fewest quads that satisfy all constraints of one diagonal; `None` above `MAX_SIDE`.
+pub(super) fn solve(constraints: &Constraints) -> Option<Tessellation> {
+    let candidates = [0u8, 1].map(|diagonal| solve_one(constraints.of(diagonal.into())).map(|quads| (quads, diagonal)));
+    let area = |quads: [u32; 2]| u64::from(quads[0]) * u64::from(quads[1]);
+    let best = candidates.into_iter().flatten().min_by_key(|&(quads, diagonal)| (area(quads), diagonal))?;
+    Some(Tessellation { quads: best.0, diagonal: best.1 })
+}
+
+fn solve_one(constraints: &[[f64; 3]]) -> Option<[u32; 2]> {
+    if constraints.iter().all(|[a, b, c]| a + b + c <= 1.0) {
+        return Some([1, 1]);
+    }
+    let least = |k: usize| {
+        let largest = constraints.iter().map(|c| c[k]).fold(0.0, f64::max);
+        largest.sqrt().ceil().max(1.0)
+    };
+    let (first, floor) = (least(0), least(2));
+    if !(first <= f64::from(MAX_SIDE) && floor <= f64::from(MAX_SIDE)) {
+        return None;
+    }
+    let mut best: Option<[u32; 2]> = None;
+    let mut nu = first;
+    // nv falls as nu grows, down to `floor`: beyond best / floor no area can be smaller.
+    while nu <= f64::from(MAX_SIDE) {
+        let area = best.map_or(f64::INFINITY, |[u, v]| f64::from(u) * f64::from(v));
+        if nu * floor >= area {
+            break;
+        }
+        let nv = fewest_across(constraints, nu);
+        if nv * nu < area && nv <= f64::from(MAX_SIDE) {
+            best = Some([nu as u32, nv as u32]);
+        }
+        nu += 1.0;
+    }
+    best
+}
+
+/// The smallest nv for a given nu: the larger root of `(1 - a/nu^2) nv^2 - (b/nu) nv - c = 0`.
+fn fewest_across(constraints: &[[f64; 3]], nu: f64) -> f64 {
+    let mut nv = 1.0f64;
+    for &[a, b, c] in constraints {
+        let s = 1.0 - a / (nu * nu);
+        let b = b / nu;
+        if s > 0.0 {
+            nv = nv.max((b + (b * b + 4.0 * s * c).sqrt()) / (2.0 * s));
+        } else if b > 0.0 || c > 0.0 || s < 0.0 {
+            return f64::INFINITY;
+        }
+    }
+    // A root that is a whole number but for rounding: one part in 10^12 is far inside the tolerance.
+    (nv * (1.0 - 1e-12)).ceil()
+}

@@ -1,0 +1,212 @@
+//! evaluate: the vertices of every meshlet (ETER's EVAL).
+
+use super::basis::BasisTables;
+use super::cull::Leaf;
+use super::estimate::{MESHLET, Tessellation};
+use super::lens::Lens;
+use super::{Interpolation, Options};
+use glam::Vec4;
+
+/// Sub-pixel steps a pixel: 8 bits.
+pub(super) const SUBPIXELS: i32 = 256;
+
+/// A projected vertex, snapped.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Vertex {
+    /// Sub-pixel position from the image's top left corner.
+    pub x: i32,
+    pub y: i32,
+    /// Stored depth: larger is nearer, in (0, 1].
+    pub depth: f32,
+    /// Weight of this vertex's parameters at a pixel, as the bound's interpolation asks for.
+    pub weight: f32,
+}
+
+/// A block of at most 7 x 7 quads of one leaf's grid.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meshlet {
+    pub leaf: u32,
+    /// Its (quads_u + 1)(quads_v + 1) vertices, u outermost.
+    pub vertices: u32,
+    /// Its first quad in the leaf's grid.
+    pub first: [u16; 2],
+    pub quads: [u8; 2],
+    pub diagonal: u8,
+    /// Which of its sides (u=0, u=1, v=0, v=1) are the leaf's: bits 0 to 3.
+    pub outer: u8,
+    /// Rows of pixels it may touch, strokes included: first and one past the last.
+    pub rows: [u16; 2],
+}
+
+/// What evaluate hands on, for any number of leaves.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Meshlets {
+    pub meshlets: Vec<Meshlet>,
+    pub vertices: Vec<Vertex>,
+    pub quads: u64,
+}
+
+impl Meshlets {
+    /// Moves another list behind this one.
+    pub fn append(&mut self, other: Meshlets) {
+        let offset = self.vertices.len() as u32;
+        self.meshlets.extend(other.meshlets.into_iter().map(|m| Meshlet { vertices: m.vertices + offset, ..m }));
+        self.vertices.extend(other.vertices);
+        self.quads += other.quads;
+    }
+
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.meshlets[..]) + size_of_val(&self.vertices[..])
+    }
+}
+
+impl Meshlet {
+    pub fn vertex(&self, i: usize, j: usize) -> usize {
+        self.vertices as usize + i * (self.quads[1] as usize + 1) + j
+    }
+}
+
+/// Evaluates the leaves' grids; meshlets come in leaf order, blocks in parameter order.
+pub(super) fn evaluate(
+    lens: &Lens,
+    options: &Options,
+    tables: &BasisTables,
+    leaves: &[Leaf],
+    nets: &[Vec4],
+    first_leaf: usize,
+    grids: &[Tessellation],
+) -> Meshlets {
+    let mut out = Meshlets::default();
+    let mut evaluator = Evaluator { lens, interpolation: options.bound.interpolation(), columns: Vec::new() };
+    for (k, (leaf, grid)) in leaves.iter().zip(grids).enumerate() {
+        let net = &nets[leaf.net as usize..leaf.net as usize + leaf.points()];
+        out.quads += u64::from(grid.quads[0]) * u64::from(grid.quads[1]);
+        tables.with(leaf.degree[0], grid.quads[0], |basis_u| {
+            tables.with(leaf.degree[1], grid.quads[1], |basis_v| {
+                evaluator.leaf(leaf, (first_leaf + k) as u32, grid, net, [basis_u, basis_v], &mut out);
+            });
+        });
+    }
+    out
+}
+
+struct Evaluator<'a> {
+    lens: &'a Lens,
+    interpolation: Interpolation,
+    columns: Vec<Vec4>,
+}
+
+impl Evaluator<'_> {
+    fn leaf(
+        &mut self,
+        leaf: &Leaf,
+        number: u32,
+        grid: &Tessellation,
+        net: &[Vec4],
+        basis: [&[f32]; 2],
+        out: &mut Meshlets,
+    ) {
+        let shape = Projector::new(self.lens, leaf, self.interpolation);
+        for (first_u, quads_u) in blocks(grid.quads[0]) {
+            for (first_v, quads_v) in blocks(grid.quads[1]) {
+                let start = out.vertices.len();
+                for i in first_u..=first_u + quads_u {
+                    self.collapse(net, leaf.degree, basis[0], i as usize);
+                    for j in first_v..=first_v + quads_v {
+                        let row = leaf.degree[1] + 1;
+                        let b = &basis[1][j as usize * row..(j as usize + 1) * row];
+                        let point = self.columns.iter().zip(b).fold(Vec4::ZERO, |sum, (&c, &b)| sum + c * b);
+                        out.vertices.push(shape.vertex(point));
+                    }
+                }
+                let outer = u8::from(first_u == 0)
+                    | u8::from(first_u + quads_u == grid.quads[0]) << 1
+                    | u8::from(first_v == 0) << 2
+                    | u8::from(first_v + quads_v == grid.quads[1]) << 3;
+                out.meshlets.push(Meshlet {
+                    leaf: number,
+                    vertices: start as u32,
+                    first: [first_u as u16, first_v as u16],
+                    quads: [quads_u as u8, quads_v as u8],
+                    diagonal: grid.diagonal,
+                    outer,
+                    rows: self.rows(&out.vertices[start..]),
+                });
+            }
+        }
+    }
+
+    /// Sums the net over u on grid line i: one point per column of the net.
+    fn collapse(&mut self, net: &[Vec4], [m, n]: [usize; 2], basis: &[f32], i: usize) {
+        self.columns.clear();
+        self.columns.resize(n + 1, Vec4::ZERO);
+        for (row, &b) in net.chunks_exact(n + 1).zip(&basis[i * (m + 1)..(i + 1) * (m + 1)]) {
+            for (column, &point) in self.columns.iter_mut().zip(row) {
+                *column += point * b;
+            }
+        }
+    }
+
+    /// The pixel rows a meshlet may touch; a pixel to spare for strokes and conservative fragments.
+    fn rows(&self, vertices: &[Vertex]) -> [u16; 2] {
+        let low = vertices.iter().map(|v| v.y).min().unwrap_or(0).div_euclid(SUBPIXELS) - 1;
+        let high = vertices.iter().map(|v| v.y).max().unwrap_or(0).div_euclid(SUBPIXELS) + 2;
+        let height = self.lens.size[1] as i32;
+        [low.clamp(0, height) as u16, high.clamp(0, height) as u16]
+    }
+}
+
+/// Projection of points of one leaf.
+struct Projector {
+    /// Sub-pixel position of the leaf's centre.
+    base: [i32; 2],
+    depth_origin: f32,
+    perspective: bool,
+    projective: bool,
+    near: f32,
+    /// Orthographic depth: `offset - slope * Z / w`.
+    offset: f32,
+    slope: f32,
+}
+
+impl Projector {
+    fn new(lens: &Lens, leaf: &Leaf, interpolation: Interpolation) -> Self {
+        // The image centre is a whole or half pixel: exact in sub-pixels.
+        let base = [0, 1].map(|k| leaf.center[k] * SUBPIXELS + lens.size[k] as i32 * (SUBPIXELS / 2));
+        Self {
+            base,
+            depth_origin: leaf.depth_origin as f32,
+            perspective: lens.perspective,
+            projective: interpolation == Interpolation::Projective,
+            near: lens.near as f32,
+            offset: (1.0 - (leaf.depth_origin - lens.near) / lens.extent) as f32,
+            slope: (1.0 / lens.extent) as f32,
+        }
+    }
+
+    fn vertex(&self, p: Vec4) -> Vertex {
+        let denominator = if self.perspective { p.z + self.depth_origin * p.w } else { p.w };
+        let x = self.base[0] + (p.x / denominator * SUBPIXELS as f32).round_ties_even() as i32;
+        let y = self.base[1] + (p.y / denominator * SUBPIXELS as f32).round_ties_even() as i32;
+        let depth = if self.perspective {
+            self.near * p.w / denominator
+        } else {
+            self.offset - self.slope * (p.z / p.w)
+        };
+        // A hull that touches the near plane may round past it.
+        let depth = depth.clamp(f32::MIN_POSITIVE, 1.0);
+        let weight = match (self.projective, self.perspective) {
+            (false, true) => depth,
+            (false, false) => 1.0,
+            (true, _) => 1.0 / denominator,
+        };
+        Vertex { x, y, depth, weight }
+    }
+}
+
+/// Cuts a side of `quads` into the fewest blocks of at most 7, as even as they go: first quad and number.
+fn blocks(quads: u32) -> impl Iterator<Item = (u32, u32)> + Clone {
+    let count = quads.div_ceil(MESHLET);
+    let size = quads.div_ceil(count);
+    (0..quads.div_ceil(size)).map(move |k| (k * size, size.min(quads - k * size)))
+}

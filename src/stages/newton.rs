@@ -1,0 +1,286 @@
+//! Refinement: from a pixel's interpolated parameter to the exact surface point under its centre, eight pixels of one
+//! leaf at a time (DESIGN section 4, "Refinement"; research "crack-closing", section 2, rule 6).
+
+use fearless_simd::{prelude::*, f32x8, mask32x8};
+use fearless_simd_macros::simd;
+use glam::Vec4;
+
+pub(super) const LANES: usize = 8;
+/// Residual in pixels at which a pixel is done.
+const CONVERGED: f32 = 1.0 / 512.0;
+/// Times a step is halved before the old parameter is kept.
+const HALVINGS: usize = 4;
+/// Rounds that pixels near a silhouette, where Newton's method is slow, may take for each one asked for.
+const STRAGGLER_ROUNDS: u32 = 8;
+
+/// A leaf as refinement sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surface<'a> {
+    pub net: &'a [Vec4],
+    pub degree: [usize; 2],
+    pub rational: bool,
+    pub perspective: bool,
+    pub depth_origin: f32,
+    /// Parameters of the leaf that lie in its patch: lower and upper ends.
+    pub domain: [[f32; 2]; 2],
+    /// What the depth may change beyond the surface's own slope, model units.
+    pub depth_tolerance: f32,
+}
+
+/// Eight pixels: parameters in and out, targets in, surface out.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Batch {
+    pub s: [f32; LANES],
+    pub t: [f32; LANES],
+    /// Pixel centres about the leaf's centre.
+    pub x: [f32; LANES],
+    pub y: [f32; LANES],
+    /// L-infinity distance of the projected surface point from the pixel centre.
+    pub residual: [f32; LANES],
+    /// `S_u x S_v` up to a positive factor, in the leaf's pixel-homogeneous axes.
+    pub normal: [[f32; LANES]; 3],
+}
+
+/// The surface at eight parameters, divided: position (x, y in pixels, z about the depth origin) and derivatives.
+struct Point<S: Simd> {
+    x: f32x8<S>,
+    y: f32x8<S>,
+    z: f32x8<S>,
+    /// Pixel-space derivatives: [x, y, z] by s, then by t.
+    ds: [f32x8<S>; 3],
+    dt: [f32x8<S>; 3],
+    normal: [f32x8<S>; 3],
+}
+
+/// Refines a batch in place with at most `rounds` regular rounds.
+#[simd]
+pub(super) fn refine<S: Simd>(simd: S, surface: &Surface, rounds: u32, batch: &mut Batch) {
+    // Array sizes are fixed at compile time: small ones stay in registers and cache.
+    match surface.degree[0].max(surface.degree[1]) {
+        0..=3 => refine_sized::<S, 4>(simd, surface, rounds, batch),
+        4..=7 => refine_sized::<S, 8>(simd, surface, rounds, batch),
+        _ => refine_sized::<S, 64>(simd, surface, rounds, batch),
+    }
+}
+
+#[simd]
+fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32, batch: &mut Batch) {
+    let (x, y) = (f32x8::from_slice(simd, &batch.x), f32x8::from_slice(simd, &batch.y));
+    let (mut s, mut t) = (f32x8::from_slice(simd, &batch.s), f32x8::from_slice(simd, &batch.t));
+    let mut point = point::<S, N>(simd, surface, s, t);
+    let mut residual = (x - point.x).abs().max((y - point.y).abs());
+    let facing = jacobian(simd, &point);
+    let depth = point.z;
+    let slack = slope_allowance(simd, surface, &point, x, y);
+    let mut round = 0;
+    while round < rounds * STRAGGLER_ROUNDS {
+        let open = residual.simd_gt(f32x8::splat(simd, CONVERGED));
+        if !open.any_true() {
+            break;
+        }
+        let before = residual;
+        let (mut ns, mut nt) = step(simd, surface, &point, s, t, x, y);
+        let mut pending = open;
+        for _ in 0..=HALVINGS {
+            let next = self::point::<S, N>(simd, surface, ns, nt);
+            let r = (x - next.x).abs().max((y - next.y).abs());
+            // Another sheet, or the other side of a silhouette, is not this pixel's surface.
+            let same_side = (jacobian(simd, &next) * facing).simd_ge(f32x8::splat(simd, 0.0));
+            let same_sheet = (next.z - depth).abs().simd_le(slack);
+            let take = pending & r.simd_lt(residual) & same_side & same_sheet;
+            s = take.select(ns, s);
+            t = take.select(nt, t);
+            residual = take.select(r, residual);
+            point = merge(take, next, point);
+            pending = pending & !take;
+            if !pending.any_true() {
+                break;
+            }
+            ns = pending.select((s + ns) * 0.5, ns);
+            nt = pending.select((t + nt) * 0.5, nt);
+        }
+        round += 1;
+        // Past the regular rounds only those go on that still get somewhere.
+        let gains = open & residual.simd_lt(before * 0.9) & residual.simd_gt(f32x8::splat(simd, CONVERGED));
+        if round >= rounds && !gains.any_true() {
+            break;
+        }
+    }
+    s.store_slice(&mut batch.s);
+    t.store_slice(&mut batch.t);
+    residual.store_slice(&mut batch.residual);
+    for k in 0..3 {
+        point.normal[k].store_slice(&mut batch.normal[k]);
+    }
+}
+
+/// Sign of the map from parameters to pixels: which side of the surface faces the eye.
+#[simd]
+fn jacobian<S: Simd>(_: S, p: &Point<S>) -> f32x8<S> {
+    p.ds[0] * p.dt[1] - p.dt[0] * p.ds[1]
+}
+
+/// What the depth may change: the tolerance, and twice what the surface's own slope explains.
+#[simd]
+fn slope_allowance<S: Simd>(simd: S, surface: &Surface, p: &Point<S>, x: f32x8<S>, y: f32x8<S>) -> f32x8<S> {
+    let det = jacobian(simd, p);
+    let (rx, ry) = (x - p.x, y - p.y);
+    // (ds, dt) = J^-1 r; dz = z_s ds + z_t dt.
+    let a = rx * p.dt[1] - ry * p.dt[0];
+    let b = ry * p.ds[0] - rx * p.ds[1];
+    let along = ((p.ds[2] * a + p.dt[2] * b) / det).abs();
+    let along = along.simd_lt(f32x8::splat(simd, f32::MAX)).select(along, f32x8::splat(simd, 0.0));
+    along * 2.0 + surface.depth_tolerance
+}
+
+/// One damped Gauss-Newton step, clamped to the patch; where one parameter meets its end the other is solved again.
+#[simd]
+fn step<S: Simd>(
+    simd: S,
+    surface: &Surface,
+    p: &Point<S>,
+    s: f32x8<S>,
+    t: f32x8<S>,
+    x: f32x8<S>,
+    y: f32x8<S>,
+) -> (f32x8<S>, f32x8<S>) {
+    let (rx, ry) = (x - p.x, y - p.y);
+    let (a, b) = (p.ds[0], p.ds[1]);
+    let (c, d) = (p.dt[0], p.dt[1]);
+    let aa = a * a + b * b;
+    let cc = c * c + d * d;
+    let ac = a * c + b * d;
+    let (ga, gc) = (a * rx + b * ry, c * rx + d * ry);
+    let det = aa * cc - ac * ac;
+    // A little damping keeps edge-on points finite and leaves all others as they are.
+    let damped = det + (aa + cc) * (aa + cc) * 1e-7 + 1e-30;
+    let exact = a * d - b * c;
+    let regular = (exact * exact).simd_gt((aa + cc) * (aa + cc) * 1e-5);
+    let inverse = regular.select(exact, damped);
+    let ds = regular.select(rx * d - ry * c, cc * ga - ac * gc) / inverse;
+    let dt = regular.select(ry * a - rx * b, aa * gc - ac * ga) / inverse;
+    let [[s0, s1], [t0, t1]] = surface.domain;
+    let clamp = |v: f32x8<S>, low: f32, high: f32| v.max(f32x8::splat(simd, low)).min(f32x8::splat(simd, high));
+    let (ns, nt) = (s + ds, t + dt);
+    let (ks, kt) = (clamp(ns, s0, s1), clamp(nt, t0, t1));
+    // The other parameter, solved again with the clamped one held.
+    let tiny = 1e-30;
+    let ts = clamp(t + (gc - ac * (ks - s)) / (cc + tiny), t0, t1);
+    let st = clamp(s + (ga - ac * (kt - t)) / (aa + tiny), s0, s1);
+    let s_met = !ks.simd_eq(ns);
+    let t_met = !kt.simd_eq(nt);
+    // Both met their ends: the better of the two, by what the linear model leaves.
+    let left = |ds: f32x8<S>, dt: f32x8<S>| (rx - a * ds - c * dt).abs().max((ry - b * ds - d * dt).abs());
+    let hold_s = s_met & (!t_met | left(ks - s, ts - t).simd_le(left(st - s, kt - t)));
+    let hold_t = t_met & !hold_s;
+    (hold_t.select(st, ks), hold_s.select(ts, kt))
+}
+
+#[simd]
+fn merge<S: Simd>(take: mask32x8<S>, a: Point<S>, b: Point<S>) -> Point<S> {
+    let three = |a: [f32x8<S>; 3], b: [f32x8<S>; 3]| {
+        [take.select(a[0], b[0]), take.select(a[1], b[1]), take.select(a[2], b[2])]
+    };
+    Point {
+        x: take.select(a.x, b.x),
+        y: take.select(a.y, b.y),
+        z: take.select(a.z, b.z),
+        ds: three(a.ds, b.ds),
+        dt: three(a.dt, b.dt),
+        normal: three(a.normal, b.normal),
+    }
+}
+
+/// Values and derivatives of the Bernstein polynomials of degree `values.len() - 1` (the first of `N`).
+#[simd]
+fn basis<S: Simd, const N: usize>(simd: S, degree: usize, t: f32x8<S>) -> ([f32x8<S>; N], [f32x8<S>; N]) {
+    let zero = f32x8::splat(simd, 0.0);
+    let mut low = [zero; N];
+    low[0] = f32x8::splat(simd, 1.0);
+    let other = 1.0 - t;
+    for d in 1..degree {
+        let mut carried = zero;
+        for value in &mut low[..d] {
+            let old = *value;
+            *value = carried + other * old;
+            carried = t * old;
+        }
+        low[d] = carried;
+    }
+    // Degree - 1 gives the derivative; one more step the values.
+    let (mut values, mut derivatives) = ([zero; N], [zero; N]);
+    let mut before = zero;
+    for i in 0..=degree {
+        let here = if i < degree { low[i] } else { zero };
+        values[i] = t * before + other * here;
+        derivatives[i] = (before - here) * degree as f32;
+        before = here;
+    }
+    (values, derivatives)
+}
+
+#[simd]
+fn point<S: Simd, const N: usize>(simd: S, surface: &Surface, s: f32x8<S>, t: f32x8<S>) -> Point<S> {
+    let [m, n] = surface.degree;
+    let (bu, du) = basis::<S, N>(simd, m, s);
+    let (bv, dv) = basis::<S, N>(simd, n, t);
+    let zero = f32x8::splat(simd, 0.0);
+    let (mut p, mut ps, mut pt) = ([zero; 4], [zero; 4], [zero; 4]);
+    let used = if surface.rational { 4 } else { 3 };
+    for i in 0..=m {
+        let row = &surface.net[i * (n + 1)..(i + 1) * (n + 1)];
+        for c in 0..used {
+            let (mut value, mut derivative) = (zero, zero);
+            for j in 0..=n {
+                let q = row[j][c];
+                value += bv[j] * q;
+                derivative += dv[j] * q;
+            }
+            p[c] += bu[i] * value;
+            ps[c] += du[i] * value;
+            pt[c] += bu[i] * derivative;
+        }
+    }
+    if !surface.rational {
+        // Polynomial nets have one weight; its derivatives are zero.
+        p[3] = f32x8::splat(simd, surface.net[0].w);
+    }
+    divide(simd, surface, p, ps, pt)
+}
+
+/// The quotient rule, on the screen and for the normal.
+#[simd]
+fn divide<S: Simd>(
+    simd: S,
+    surface: &Surface,
+    p: [f32x8<S>; 4],
+    ps: [f32x8<S>; 4],
+    pt: [f32x8<S>; 4],
+) -> Point<S> {
+    let z0 = surface.depth_origin;
+    let denominator = |q: &[f32x8<S>; 4]| if surface.perspective { q[2] + q[3] * z0 } else { q[3] };
+    let one = f32x8::splat(simd, 1.0);
+    let inverse = one / denominator(&p);
+    let (d_s, d_t) = (denominator(&ps), denominator(&pt));
+    let (x, y) = (p[0] * inverse, p[1] * inverse);
+    let by_weight = one / p[3];
+    let z = p[2] * by_weight;
+    // Tangents in the leaf's affine axes, for the normal.
+    let space = |q: &[f32x8<S>; 4]| {
+        [
+            (q[0] - p[0] * by_weight * q[3]) * by_weight,
+            (q[1] - p[1] * by_weight * q[3]) * by_weight,
+            (q[2] - z * q[3]) * by_weight,
+        ]
+    };
+    let (a, b) = (space(&ps), space(&pt));
+    let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    Point {
+        x,
+        y,
+        z,
+        ds: [(ps[0] - x * d_s) * inverse, (ps[1] - y * d_s) * inverse, a[2]],
+        dt: [(pt[0] - x * d_t) * inverse, (pt[1] - y * d_t) * inverse, b[2]],
+        normal,
+    }
+}

@@ -1,0 +1,203 @@
+//! rasterize: triangles and border strokes into the two 64-bit buffers, band by band (DESIGN section 4).
+
+use super::evaluate::{Meshlet, Meshlets, SUBPIXELS, Vertex};
+use super::frame::Targets;
+use super::stroke::{self, Pen};
+use super::topology::{edge, edge_index, triangle_index, triangles, word};
+use super::Fill;
+use rayon::prelude::*;
+
+/// Rows of pixels one task draws: a band of both buffers stays in the second-level cache.
+pub(super) const BAND: usize = 16;
+const HALF: i64 = SUBPIXELS as i64 / 2;
+
+/// One band of both buffers.
+pub(super) struct Band<'a> {
+    pub width: i32,
+    /// First row and one past the last.
+    pub rows: [i32; 2],
+    /// Centre-covered fragments (N).
+    pub near: &'a mut [u64],
+    /// What may close a crack (S). Zero but for the pixels in `touched`.
+    pub spare: &'a mut [u64],
+    /// Pixels of the band that `spare` has.
+    pub touched: &'a mut Vec<u32>,
+}
+
+/// Draws all meshlets. `pens[leaf]` is the stroke radius of a leaf.
+pub(super) fn rasterize(meshlets: &Meshlets, pens: &[Pen], fill: Fill, size: [u32; 2], targets: &mut Targets) {
+    let width = size[0] as usize;
+    let bins = bin(&meshlets.meshlets, (size[1] as usize).div_ceil(BAND));
+    let bands = targets
+        .near
+        .par_chunks_mut(width * BAND)
+        .zip(targets.spare.par_chunks_mut(width * BAND))
+        .zip(targets.touched.par_iter_mut())
+        .enumerate();
+    bands.for_each(|(k, ((near, spare), touched))| {
+        // What the last frame left: all of N, and the few pixels of S that strokes touched.
+        near.fill(0);
+        touched.drain(..).for_each(|p| spare[p as usize] = 0);
+        let first = (k * BAND) as i32;
+        let rows = [first, first + (near.len() / width) as i32];
+        let mut band = Band { width: width as i32, rows, near, spare, touched };
+        for &number in bins.of(k) {
+            draw(meshlets, number, pens, fill, &mut band);
+        }
+    });
+}
+
+/// Lists of meshlets, band after band, each in meshlet order.
+struct Bins {
+    starts: Vec<u32>,
+    numbers: Vec<u32>,
+}
+
+impl Bins {
+    fn of(&self, band: usize) -> &[u32] {
+        &self.numbers[self.starts[band] as usize..self.starts[band + 1] as usize]
+    }
+}
+
+/// A counting sort by the bands that a meshlet's rows touch.
+fn bin(meshlets: &[Meshlet], bands: usize) -> Bins {
+    let range = |m: &Meshlet| {
+        let [low, high] = m.rows.map(usize::from);
+        if low < high { low / BAND..(high - 1) / BAND + 1 } else { 0..0 }
+    };
+    let mut starts = vec![0u32; bands + 1];
+    for m in meshlets {
+        range(m).for_each(|b| starts[b + 1] += 1);
+    }
+    for b in 0..bands {
+        starts[b + 1] += starts[b];
+    }
+    let mut next = starts.clone();
+    let mut numbers = vec![0u32; starts[bands] as usize];
+    for (k, m) in meshlets.iter().enumerate() {
+        for b in range(m) {
+            numbers[next[b] as usize] = k as u32;
+            next[b] += 1;
+        }
+    }
+    Bins { starts, numbers }
+}
+
+/// One meshlet into one band.
+fn draw(meshlets: &Meshlets, number: u32, pens: &[Pen], fill: Fill, band: &mut Band) {
+    let meshlet = &meshlets.meshlets[number as usize];
+    let at = |[i, j]: [usize; 2]| meshlets.vertices[meshlet.vertex(i, j)];
+    let [across_u, across_v] = meshlet.quads.map(usize::from);
+    for a in 0..across_u {
+        for b in 0..across_v {
+            let first = triangle_index(meshlet, a, b);
+            for (k, corners) in triangles(a, b, meshlet.diagonal).into_iter().enumerate() {
+                let corners = corners.map(at);
+                let id = word(0.0, number, first + k as u32);
+                triangle(&corners, id, band);
+                if matches!(fill, Fill::Eter | Fill::Conservative) {
+                    stroke::conservative(&corners, id, band);
+                }
+            }
+        }
+    }
+    if fill != Fill::Stroke {
+        return;
+    }
+    let pen = &pens[meshlet.leaf as usize];
+    for side in (0..4).filter(|side| meshlet.outer >> side & 1 == 1) {
+        for k in 0..if side < 2 { across_v } else { across_u } {
+            let corners = edge(meshlet, side, k).map(at);
+            stroke::stroke(&corners, pen, word(0.0, number, edge_index(side, k)), band);
+        }
+    }
+}
+
+/// Three corners turned so that the area is positive, with their edge functions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Triangle {
+    pub x: [i64; 3],
+    pub y: [i64; 3],
+    pub depth: [f32; 3],
+    /// Twice the area in square sub-pixels.
+    pub area: i64,
+}
+
+impl Triangle {
+    pub fn new(corners: &[Vertex; 3]) -> Self {
+        let mut c = *corners;
+        let area = |c: &[Vertex; 3]| {
+            let [a, b, d] = c.map(|v| (i64::from(v.x), i64::from(v.y)));
+            (b.0 - a.0) * (d.1 - a.1) - (d.0 - a.0) * (b.1 - a.1)
+        };
+        if area(&c) < 0 {
+            c.swap(1, 2);
+        }
+        Self {
+            x: c.map(|v| i64::from(v.x)),
+            y: c.map(|v| i64::from(v.y)),
+            depth: c.map(|v| v.depth),
+            area: area(&c),
+        }
+    }
+
+    /// Edge function of corner k to the next at a point: positive inside.
+    pub fn edge(&self, k: usize, px: i64, py: i64) -> i64 {
+        let n = (k + 1) % 3;
+        (self.x[n] - self.x[k]) * (py - self.y[k]) - (self.y[n] - self.y[k]) * (px - self.x[k])
+    }
+
+    /// Points on edge k belong to this triangle: the top-left rule, y down.
+    pub fn owns(&self, k: usize) -> bool {
+        let n = (k + 1) % 3;
+        let (dx, dy) = (self.x[n] - self.x[k], self.y[n] - self.y[k]);
+        dy < 0 || (dy == 0 && dx > 0)
+    }
+}
+
+/// Pixels whose centres lie within [low, high] sub-pixels: first and last.
+pub(super) fn pixel_range(low: i64, high: i64) -> (i64, i64) {
+    ((low - HALF + SUBPIXELS as i64 - 1).div_euclid(SUBPIXELS as i64), (high - HALF).div_euclid(SUBPIXELS as i64))
+}
+
+/// Centre-covered fragments of a triangle.
+fn triangle(corners: &[Vertex; 3], id: u64, band: &mut Band) {
+    let [a, b, c] = corners;
+    let (x0, x1) = pixel_range(i64::from(a.x.min(b.x).min(c.x)), i64::from(a.x.max(b.x).max(c.x)));
+    let (y0, y1) = pixel_range(i64::from(a.y.min(b.y).min(c.y)), i64::from(a.y.max(b.y).max(c.y)));
+    let (x0, x1) = (x0.max(0), x1.min(i64::from(band.width) - 1));
+    let (y0, y1) = (y0.max(i64::from(band.rows[0])), y1.min(i64::from(band.rows[1]) - 1));
+    // Most small triangles hold no pixel centre at all.
+    if x0 > x1 || y0 > y1 {
+        return;
+    }
+    let t = Triangle::new(corners);
+    if t.area == 0 {
+        return;
+    }
+    // Points on an edge that the top-left rule gives away are outside by one.
+    let bias: [i64; 3] = std::array::from_fn(|k| i64::from(!t.owns(k)));
+    let (px, py) = (x0 * SUBPIXELS as i64 + HALF, y0 * SUBPIXELS as i64 + HALF);
+    let start: [i64; 3] = std::array::from_fn(|k| t.edge(k, px, py) - bias[k]);
+    let step_x: [i64; 3] = std::array::from_fn(|k| -(t.y[(k + 1) % 3] - t.y[k]) * SUBPIXELS as i64);
+    let step_y: [i64; 3] = std::array::from_fn(|k| (t.x[(k + 1) % 3] - t.x[k]) * SUBPIXELS as i64);
+    // The weight of a corner is the edge function opposite to it.
+    let inverse = 1.0 / t.area as f32;
+    let depth = [t.depth[2], t.depth[0], t.depth[1]].map(|d| d * inverse);
+    for y in y0..=y1 {
+        let row = &mut band.near[(y - i64::from(band.rows[0])) as usize * band.width as usize..][..band.width as usize];
+        let dy = y - y0;
+        let mut e: [i64; 3] = std::array::from_fn(|k| start[k] + step_y[k] * dy);
+        for pixel in &mut row[x0 as usize..=x1 as usize] {
+            if (e[0] | e[1] | e[2]) >= 0 {
+                let weight = |k: usize| (e[k] + bias[k]) as f32;
+                let d = weight(0) * depth[0] + weight(1) * depth[1] + weight(2) * depth[2];
+                let fragment = id | u64::from(d.to_bits()) << 32;
+                *pixel = (*pixel).max(fragment);
+            }
+            for k in 0..3 {
+                e[k] += step_x[k];
+            }
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! shade: the exact surface under every pixel, and its colour (DESIGN section 4; ETER's SHD).
+
+use super::cull::Leaf;
+use super::estimate::Tessellation;
+use super::evaluate::Meshlets;
+use super::fill::Filled;
+use super::frame::Targets;
+use super::interpolate::interpolate;
+use super::lens::Lens;
+use super::newton::{Batch, LANES, Surface, refine};
+use super::rasterize::BAND;
+use super::topology::meshlet_of;
+use super::{Options, show};
+use crate::scene::Scene;
+use fearless_simd::{Level, dispatch};
+use glam::{Vec3, Vec4};
+use rayon::prelude::*;
+
+/// Everything that shading reads.
+pub(super) struct Shader<'a> {
+    pub scene: &'a Scene,
+    pub lens: &'a Lens,
+    pub options: &'a Options,
+    pub meshlets: &'a Meshlets,
+    pub leaves: &'a [Leaf],
+    pub nets: &'a [Vec4],
+    pub grids: &'a [Tessellation],
+}
+
+/// Pixels in a row that show one leaf.
+struct Run {
+    leaf: u32,
+    first: u32,
+    count: u32,
+}
+
+/// A filled pixel must come to lie within half a pixel, or shows what is behind it.
+const HALF_PIXEL: f32 = 0.5;
+
+/// Shades every drawn pixel; filled pixels that refinement can't bring to their centre go back to N. Returns how many
+/// pixels stay filled.
+pub(super) fn shade(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Filled>) {
+    if shader.options.refine > 0 {
+        let refused: Vec<bool> = filled.par_iter().map(|f| shader.refuses(f.pixel, targets)).collect();
+        let mut refused = refused.into_iter();
+        filled.retain(|f| {
+            let back = refused.next() == Some(true);
+            if back {
+                targets.near[f.pixel as usize] = f.near;
+            }
+            !back
+        });
+    }
+    let width = shader.lens.size[0] as usize;
+    let bands = targets.near.par_chunks(width * BAND).zip(targets.parameters.par_chunks_mut(width * BAND));
+    let bands = bands.zip(targets.color.par_chunks_mut(width * BAND)).enumerate();
+    bands.for_each(|(k, ((words, parameters), color))| {
+        let first = (k * BAND * width) as u32;
+        for group in shader.runs(words).chunk_by(|a, b| a.leaf == b.leaf) {
+            shader.group(group, words, first, &mut |pixel, surfel| {
+                parameters[pixel] = surfel.parameters;
+                color[pixel] = surfel.color;
+            });
+        }
+    });
+}
+
+/// One shaded pixel.
+struct Surfel {
+    parameters: [f32; 2],
+    color: [f32; 3],
+    residual: f32,
+}
+
+impl Shader<'_> {
+    /// Runs of pixels of one leaf, sorted by leaf; background left out.
+    fn runs(&self, words: &[u64]) -> Vec<Run> {
+        let width = self.lens.size[0] as usize;
+        let mut runs: Vec<Run> = Vec::new();
+        for (row, words) in words.chunks(width).enumerate() {
+            let start = (row * width) as u32;
+            // 0 is background and no meshlet's word: depth is positive.
+            let mut previous = (u64::MAX, u32::MAX);
+            for (x, &word) in words.iter().enumerate() {
+                if word == 0 {
+                    previous = (u64::MAX, u32::MAX);
+                    continue;
+                }
+                let meshlet = u64::from(meshlet_of(word));
+                let leaf =
+                    if meshlet == previous.0 { previous.1 } else { self.meshlets.meshlets[meshlet as usize].leaf };
+                match runs.last_mut() {
+                    Some(run) if leaf == previous.1 => run.count += 1,
+                    _ => runs.push(Run { leaf, first: start + x as u32, count: 1 }),
+                }
+                previous = (meshlet, leaf);
+            }
+        }
+        runs.sort_unstable_by_key(|run| (run.leaf, run.first));
+        runs
+    }
+
+    /// Shades the pixels of one leaf in batches.
+    fn group(&self, runs: &[Run], words: &[u64], first: u32, write: &mut impl FnMut(usize, Surfel)) {
+        let leaf = runs[0].leaf;
+        let surface = self.surface(leaf);
+        let mut pixels = runs.iter().flat_map(|run| run.first..run.first + run.count);
+        let mut batch = [0u32; LANES];
+        loop {
+            let mut count = 0;
+            for slot in &mut batch {
+                let Some(pixel) = pixels.next() else { break };
+                *slot = pixel;
+                count += 1;
+            }
+            if count == 0 {
+                break;
+            }
+            let word = |k: usize| words[batch[k] as usize];
+            self.batch(&surface, leaf, &batch.map(|p| p + first)[..count], word, &mut |k, surfel| {
+                write(batch[k] as usize, surfel);
+            });
+        }
+    }
+
+    /// A filled pixel whose refined residual stays beyond half a pixel was no gap.
+    fn refuses(&self, pixel: u32, targets: &Targets) -> bool {
+        let word = targets.near[pixel as usize];
+        let leaf = self.meshlets.meshlets[meshlet_of(word) as usize].leaf;
+        let mut refused = false;
+        self.batch(&self.surface(leaf), leaf, &[pixel], |_| word, &mut |_, surfel| {
+            refused = !(surfel.residual <= HALF_PIXEL);
+        });
+        refused
+    }
+
+    fn surface(&self, leaf: u32) -> Surface<'_> {
+        let leaf = &self.leaves[leaf as usize];
+        let domain = [0, 1].map(|k| {
+            let end = |value: f64| ((value - leaf.corner[k]) / leaf.extent[k]) as f32;
+            [end(0.0), end(1.0)]
+        });
+        Surface {
+            net: &self.nets[leaf.net as usize..leaf.net as usize + leaf.points()],
+            degree: leaf.degree,
+            rational: self.scene.patches[leaf.patch as usize].rational,
+            perspective: self.lens.perspective,
+            depth_origin: leaf.depth_origin as f32,
+            domain,
+            depth_tolerance: (self.options.depth_tolerance * self.lens.pixel_size(leaf.low.z)) as f32,
+        }
+    }
+
+    /// Up to eight pixels of one leaf: interpolated, refined, coloured.
+    fn batch(
+        &self,
+        surface: &Surface,
+        number: u32,
+        pixels: &[u32],
+        word: impl Fn(usize) -> u64,
+        write: &mut impl FnMut(usize, Surfel),
+    ) {
+        let leaf = &self.leaves[number as usize];
+        let [width, height] = self.lens.size;
+        let mut lanes = Batch::default();
+        for k in 0..LANES {
+            // Lanes to spare repeat the last pixel: same arithmetic, no special case.
+            let j = k.min(pixels.len() - 1);
+            let (x, y) = (pixels[j] % width, pixels[j] / width);
+            let quads = self.grids[number as usize].quads;
+            [lanes.s[k], lanes.t[k]] = interpolate(self.meshlets, quads, word(j), x, y);
+            lanes.x[k] = (x as f32 + 0.5 - width as f32 * 0.5) - leaf.center[0] as f32;
+            lanes.y[k] = (y as f32 + 0.5 - height as f32 * 0.5) - leaf.center[1] as f32;
+        }
+        let level = Level::new();
+        dispatch!(level, simd => refine(simd, surface, self.options.refine, &mut lanes));
+        for (k, &pixel) in pixels.iter().enumerate() {
+            let normal = Vec3::from_array([0, 1, 2].map(|c| lanes.normal[c][k]));
+            let parameters = [lanes.s[k], lanes.t[k]];
+            let look = show::Look {
+                number,
+                parameters,
+                word: word(k),
+                normal: self.camera_normal(leaf, normal, pixel),
+                towards_eye: -self.ray(pixel),
+            };
+            write(k, Surfel { parameters, color: show::color(self, &look), residual: lanes.residual[k] });
+        }
+    }
+
+    /// Unit direction of the ray through a pixel centre, camera axes.
+    fn ray(&self, pixel: u32) -> Vec3 {
+        if !self.lens.perspective {
+            return Vec3::Z;
+        }
+        let (x, y) = (pixel % self.lens.size[0], pixel / self.lens.size[0]);
+        let scale = 1.0 / self.lens.scale as f32;
+        let d = |p: u32, k: usize| (p as f32 + 0.5 - self.lens.half(k) as f32) * scale;
+        Vec3::new(d(x, 0), d(y, 1), 1.0).normalize()
+    }
+
+    /// The normal in camera axes, facing the eye, unit length; towards the eye where the surface has none.
+    ///
+    /// The leaf's affine axes are M times camera axes, M = [[f, 0, -cx], [0, f, -cy], [0, 0, 1]] in perspective and
+    /// diag(s, s, 1) in orthographic views: normals go back with the transpose of M.
+    fn camera_normal(&self, leaf: &Leaf, n: Vec3, pixel: u32) -> Vec3 {
+        // Only the direction counts: M over its scale keeps numbers near one.
+        let inverse = 1.0 / self.lens.scale as f32;
+        let n = n.normalize_or_zero();
+        let mut z = n.z * inverse;
+        if self.lens.perspective {
+            z -= (leaf.center[0] as f32 * n.x + leaf.center[1] as f32 * n.y) * inverse;
+        }
+        let ray = self.ray(pixel);
+        let normal = Vec3::new(n.x, n.y, z).normalize_or(-ray);
+        if normal.dot(ray) > 0.0 { -normal } else { normal }
+    }
+}

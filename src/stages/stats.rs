@@ -1,0 +1,51 @@
+//! Counts and times of one frame; one type for every backend.
+
+use serde::Serialize;
+use std::time::Instant;
+
+/// Wall-clock time of one stage.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct StageTime {
+    pub stage: &'static str,
+    pub ms: f64,
+}
+
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Stats {
+    pub stages: Vec<StageTime>,
+    pub patches: u64,
+    pub patches_visible: u64,
+    /// Pieces that were drawn: visible patches, or parts of them where they were split.
+    pub leaves: u64,
+    pub meshlets: u64,
+    pub quads: u64,
+    /// Generated after culling.
+    pub triangles: u64,
+    /// Pixels that the spare buffer decided.
+    pub filled: u64,
+    pub drawn: u64,
+    pub buffer_bytes: u64,
+}
+
+/// Times stages that follow each other.
+pub(super) struct Clock {
+    last: Instant,
+    stages: Vec<StageTime>,
+}
+
+impl Clock {
+    pub fn new() -> Self {
+        Self { last: Instant::now(), stages: Vec::new() }
+    }
+
+    /// Books the time since the last call under a stage's name.
+    pub fn stage(&mut self, stage: &'static str) {
+        let now = Instant::now();
+        self.stages.push(StageTime { stage, ms: (now - self.last).as_secs_f64() * 1e3 });
+        self.last = now;
+    }
+
+    pub fn stages(self) -> Vec<StageTime> {
+        self.stages
+    }
+}

@@ -1,0 +1,152 @@
+//! Fragments that may close a crack: border strokes, and ETER's conservative ones (DESIGN section 4; research
+//! "crack-closing", section 2, rules 1 to 4).
+
+use super::cull::Leaf;
+use super::evaluate::{SUBPIXELS, Vertex};
+use super::rasterize::{Band, Triangle, pixel_range};
+use super::topology::depth_of;
+
+const HALF: i64 = SUBPIXELS as i64 / 2;
+/// Depth is pushed back by a pen's width of slope and this many pixels.
+const PUSH_MARGIN: f32 = 1.0 / 64.0;
+/// Strokes lose against what they continue: a few f32 roundings.
+const PUSH_FACTOR: f32 = 1.0 - 2e-6;
+
+/// The square pen that draws a leaf's outer edges.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pen {
+    /// L-infinity radius in sub-pixels.
+    pub radius: i64,
+}
+
+impl Pen {
+    /// Half the grid's tolerance (every gap point is that near to an edge), half a sub-pixel of snapping for each of
+    /// the two borders, and their rounding.
+    pub fn new(leaf: &Leaf, tolerance: f64) -> Self {
+        let tolerance = (tolerance - 1.0 / (2.0 * f64::from(SUBPIXELS)) - leaf.rounding).max(0.0);
+        let subpixels = f64::from(SUBPIXELS);
+        Self { radius: (subpixels * (tolerance / 2.0 + leaf.rounding) + 0.5).ceil() as i64 }
+    }
+}
+
+impl Band<'_> {
+    /// The larger word stays in the spare buffer.
+    fn spare(&mut self, x: i64, y: i64, fragment: u64) {
+        let index = (y - i64::from(self.rows[0])) as usize * self.width as usize + x as usize;
+        let pixel = &mut self.spare[index];
+        if *pixel == 0 {
+            self.touched.push(index as u32);
+        }
+        *pixel = (*pixel).max(fragment);
+    }
+
+    /// Pixels of this band with centres inside a box of sub-pixels: x range, y range (inclusive; may be empty).
+    fn pixels(&self, x: (i64, i64), y: (i64, i64)) -> [(i64, i64); 2] {
+        let (x0, x1) = pixel_range(x.0, x.1);
+        let (y0, y1) = pixel_range(y.0, y.1);
+        [
+            (x0.max(0), x1.min(i64::from(self.width) - 1)),
+            (y0.max(i64::from(self.rows[0])), y1.min(i64::from(self.rows[1]) - 1)),
+        ]
+    }
+}
+
+/// A stroke along corner 0 to corner 1; corner 2 completes the triangle behind it.
+pub(super) fn stroke(corners: &[Vertex; 3], pen: &Pen, id: u64, band: &mut Band) {
+    let [a, b, c] = corners;
+    let (ax, ay, bx, by) = (i64::from(a.x), i64::from(a.y), i64::from(b.x), i64::from(b.y));
+    let r = pen.radius;
+    let [(x0, x1), (y0, y1)] = band.pixels((ax.min(bx) - r, ax.max(bx) + r), (ay.min(by) - r, ay.max(by) + r));
+    if x0 > x1 || y0 > y1 {
+        return;
+    }
+    let (dx, dy) = (bx - ax, by - ay);
+    let area = dx * (i64::from(c.y) - ay) - dy * (i64::from(c.x) - ax);
+    let reach = r * (dx.abs() + dy.abs());
+    let length2 = dx * dx + dy * dy;
+    let push = push(corners, area, pen);
+    for y in y0..=y1 {
+        for x in x0..=x1 {
+            let (px, py) = (x * SUBPIXELS as i64 + HALF - ax, y * SUBPIXELS as i64 + HALF - ay);
+            let e = dx * py - dy * px;
+            // Only the outer side: inside, the triangle's own fragments say it better.
+            if e.abs() > reach || e * area.signum() > 0 {
+                continue;
+            }
+            let s = nearest(dx * px + dy * py, length2);
+            let depth = (a.depth + (b.depth - a.depth) * s - push) * PUSH_FACTOR;
+            band.spare(x, y, id | u64::from(depth.max(f32::MIN_POSITIVE).to_bits()) << 32);
+        }
+    }
+}
+
+/// Where on a segment the nearest point lies: projection over squared length, clamped.
+pub(super) fn nearest(dot: i64, length2: i64) -> f32 {
+    if length2 == 0 { 0.0 } else { (dot as f32 / length2 as f32).clamp(0.0, 1.0) }
+}
+
+/// Rule 4: a pen's width of the triangle's slope, at most the size of its depth range.
+fn push([a, b, c]: &[Vertex; 3], area: i64, pen: &Pen) -> f32 {
+    let range = a.depth.max(b.depth).max(c.depth) - a.depth.min(b.depth).min(c.depth);
+    if area == 0 {
+        return range;
+    }
+    let (u, v) = (b.depth - a.depth, c.depth - a.depth);
+    let (ux, uy) = ((b.x - a.x) as f32, (b.y - a.y) as f32);
+    let (vx, vy) = ((c.x - a.x) as f32, (c.y - a.y) as f32);
+    let per_pixel = SUBPIXELS as f32 / area.abs() as f32;
+    let slope = ((u * vy - v * uy).abs() + (v * ux - u * vx).abs()) * per_pixel;
+    let width = 2.0 * pen.radius as f32 / SUBPIXELS as f32 + PUSH_MARGIN;
+    (slope * width).min(range)
+}
+
+/// ETER section 6.1: fragments of pixels whose square the triangle touches without holding the centre.
+///
+/// Depth is that of the triangle's nearest point: extrapolating slides along slivers by many pixels.
+pub(super) fn conservative(corners: &[Vertex; 3], id: u64, band: &mut Band) {
+    let t = Triangle::new(corners);
+    let bounds = |v: [i64; 3]| (v[0].min(v[1]).min(v[2]) - HALF, v[0].max(v[1]).max(v[2]) + HALF);
+    let [(x0, x1), (y0, y1)] = band.pixels(bounds(t.x), bounds(t.y));
+    for y in y0..=y1 {
+        for x in x0..=x1 {
+            let (px, py) = (x * SUBPIXELS as i64 + HALF, y * SUBPIXELS as i64 + HALF);
+            let mut inside = t.area > 0;
+            let mut touches = true;
+            for k in 0..3 {
+                let n = (k + 1) % 3;
+                let e = t.edge(k, px, py);
+                inside &= e > 0 || (e == 0 && t.owns(k));
+                touches &= e >= -HALF * ((t.x[n] - t.x[k]).abs() + (t.y[n] - t.y[k]).abs());
+            }
+            if touches && !inside {
+                let weights = nearest_in_triangle(&t, px, py);
+                let depth = (0..3).map(|k| weights[k] * t.depth[k]).sum::<f32>();
+                band.spare(x, y, id | u64::from(depth.max(f32::MIN_POSITIVE).to_bits()) << 32);
+            }
+        }
+    }
+}
+
+/// Barycentric weights of the triangle's point nearest to (px, py), which is not inside.
+pub(super) fn nearest_in_triangle(t: &Triangle, px: i64, py: i64) -> [f32; 3] {
+    let mut best = (i64::MAX as f64, [0.0; 3]);
+    for k in 0..3 {
+        let n = (k + 1) % 3;
+        let (dx, dy) = (t.x[n] - t.x[k], t.y[n] - t.y[k]);
+        let s = nearest(dx * (px - t.x[k]) + dy * (py - t.y[k]), dx * dx + dy * dy);
+        let (qx, qy) = (t.x[k] as f64 + dx as f64 * f64::from(s), t.y[k] as f64 + dy as f64 * f64::from(s));
+        let distance = (qx - px as f64).powi(2) + (qy - py as f64).powi(2);
+        if distance < best.0 {
+            let mut weights = [0.0; 3];
+            weights[k] = 1.0 - s;
+            weights[n] = s;
+            best = (distance, weights);
+        }
+    }
+    best.1
+}
+
+/// True where a spare word is strictly nearer than a centre-covered one.
+pub(super) fn is_nearer(spare: u64, near: u64) -> bool {
+    depth_of(spare) > depth_of(near)
+}
