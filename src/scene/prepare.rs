@@ -93,12 +93,7 @@ fn prepare_patch(source: &Source) -> (Patch, Vec<DVec4>) {
     let origin = low * 0.5 + high * 0.5;
     // One rounding of the small result: models far from (0, 0, 0) keep what their file says.
     let local = |p: &DVec4| {
-        DVec4::new(
-            p.w.mul_add(-origin.x, p.x),
-            p.w.mul_add(-origin.y, p.y),
-            p.w.mul_add(-origin.z, p.z),
-            p.w,
-        )
+        DVec4::new(p.w.mul_add(-origin.x, p.x), p.w.mul_add(-origin.y, p.y), p.w.mul_add(-origin.z, p.z), p.w)
     };
     let points: Vec<DVec4> = net.points().iter().map(local).collect();
     let net = Net::new(net.degree(), &points);

@@ -188,11 +188,8 @@ impl Projector {
         let denominator = if self.perspective { p.z + self.depth_origin * p.w } else { p.w };
         let x = self.base[0] + (p.x / denominator * SUBPIXELS as f32).round_ties_even() as i32;
         let y = self.base[1] + (p.y / denominator * SUBPIXELS as f32).round_ties_even() as i32;
-        let depth = if self.perspective {
-            self.near * p.w / denominator
-        } else {
-            self.offset - self.slope * (p.z / p.w)
-        };
+        let depth =
+            if self.perspective { self.near * p.w / denominator } else { self.offset - self.slope * (p.z / p.w) };
         // A hull that touches the near plane may round past it.
         let depth = depth.clamp(f32::MIN_POSITIVE, 1.0);
         let weight = match (self.projective, self.perspective) {

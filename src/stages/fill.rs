@@ -1,11 +1,11 @@
 //! fill: where a spare fragment closes a crack, it takes the pixel (DESIGN section 4; ETER's CRK).
 
+use super::Fill;
 use super::evaluate::Meshlets;
 use super::frame::Targets;
 use super::rasterize::BAND;
 use super::stroke::is_nearer;
 use super::topology::{Primitive, depth_of, index_of, meshlet_of, primitive};
-use super::Fill;
 use rayon::prelude::*;
 
 /// Entries of the 3x3 neighbourhood that may show what N shows here for the vote to fill.
@@ -22,12 +22,7 @@ pub(super) struct Filled {
 }
 
 /// Decides every touched pixel from the near buffer alone, then writes; returns the pixels taken, in image order.
-pub(super) fn fill(
-    meshlets: &Meshlets,
-    fill: Fill,
-    size: [u32; 2],
-    targets: &mut Targets,
-) -> Vec<Filled> {
+pub(super) fn fill(meshlets: &Meshlets, fill: Fill, size: [u32; 2], targets: &mut Targets) -> Vec<Filled> {
     let width = size[0] as usize;
     let rule = Rule { meshlets, near: &targets.near, size: size.map(|s| s as i32) };
     let mut taken: Vec<(Filled, u64)> = (targets.touched.par_iter().enumerate())

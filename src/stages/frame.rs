@@ -140,7 +140,8 @@ impl<'a> Renderer<'a> {
             triangles: 2 * meshlets.quads,
             filled: filled.len() as u64,
             drawn: targets.near.par_iter().filter(|&&word| word != 0).count() as u64,
-            buffer_bytes: targets.bytes() + (meshlets.bytes() + size_of_val(&nets[..]) + size_of_val(&leaves[..])) as u64,
+            buffer_bytes: targets.bytes()
+                + (meshlets.bytes() + size_of_val(&nets[..]) + size_of_val(&leaves[..])) as u64,
         };
         Ok(Frame { camera: *camera, options: *options, stats, targets, leaves, grids, meshlets, filled })
     }
@@ -294,10 +295,4 @@ impl Frame {
     fn is_filled(&self, index: usize, word: u64) -> bool {
         is_edge(word) || self.filled.binary_search_by_key(&(index as u32), |f| f.pixel).is_ok()
     }
-
-    /// Linear RGBA of pixel (x, y).
-    pub fn color(&self, _x: u32, _y: u32) -> [f32; 4] {
-        [0.0; 4]
-    }
 }
-

@@ -1,7 +1,7 @@
 //! Refinement: from a pixel's interpolated parameter to the exact surface point under its centre, eight pixels of one
 //! leaf at a time (DESIGN section 4, "Refinement"; research "crack-closing", section 2, rule 6).
 
-use fearless_simd::{prelude::*, f32x8, mask32x8};
+use fearless_simd::{f32x8, mask32x8, prelude::*};
 use fearless_simd_macros::simd;
 use glam::Vec4;
 
@@ -250,13 +250,7 @@ fn point<S: Simd, const N: usize>(simd: S, surface: &Surface, s: f32x8<S>, t: f3
 
 /// The quotient rule, on the screen and for the normal.
 #[simd]
-fn divide<S: Simd>(
-    simd: S,
-    surface: &Surface,
-    p: [f32x8<S>; 4],
-    ps: [f32x8<S>; 4],
-    pt: [f32x8<S>; 4],
-) -> Point<S> {
+fn divide<S: Simd>(simd: S, surface: &Surface, p: [f32x8<S>; 4], ps: [f32x8<S>; 4], pt: [f32x8<S>; 4]) -> Point<S> {
     let z0 = surface.depth_origin;
     let denominator = |q: &[f32x8<S>; 4]| if surface.perspective { q[2] + q[3] * z0 } else { q[3] };
     let one = f32x8::splat(simd, 1.0);

@@ -1,10 +1,10 @@
 //! rasterize: triangles and border strokes into the two 64-bit buffers, band by band (DESIGN section 4).
 
+use super::Fill;
 use super::evaluate::{Meshlet, Meshlets, SUBPIXELS, Vertex};
 use super::frame::Targets;
 use super::stroke::{self, Pen};
 use super::topology::{edge, edge_index, triangle_index, triangles, word};
-use super::Fill;
 use rayon::prelude::*;
 
 /// Rows of pixels one task draws: a band of both buffers stays in the second-level cache.
@@ -133,12 +133,7 @@ impl Triangle {
         if area(&c) < 0 {
             c.swap(1, 2);
         }
-        Self {
-            x: c.map(|v| i64::from(v.x)),
-            y: c.map(|v| i64::from(v.y)),
-            depth: c.map(|v| v.depth),
-            area: area(&c),
-        }
+        Self { x: c.map(|v| i64::from(v.x)), y: c.map(|v| i64::from(v.y)), depth: c.map(|v| v.depth), area: area(&c) }
     }
 
     /// Edge function of corner k to the next at a point: positive inside.

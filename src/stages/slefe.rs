@@ -12,12 +12,8 @@ pub(super) const MAX_DEGREE: usize = 7;
 /// Upper and lower values at 0, 1/3, 2/3, 1 of the polynomial whose only non-zero second difference is the j-th (1),
 /// for degree d = 2..7 and j = 1..d/2; the others mirror. Computed by linear programming in the research folder.
 const TABLE: [&[[[f64; PIECES + 1]; 2]]; MAX_DEGREE - 1] = [
-    &[
-        [[0.0, -0.2222222, -0.2222222, 0.0], [-0.0277779, -0.2500001, -0.2500001, -0.0277779]],
-    ],
-    &[
-        [[0.0, -0.3703704, -0.2962963, 0.0], [-0.0695216, -0.439892, -0.3153517, -0.008733]],
-    ],
+    &[[[0.0, -0.2222222, -0.2222222, 0.0], [-0.0277779, -0.2500001, -0.2500001, -0.0277779]]],
+    &[[[0.0, -0.3703704, -0.2962963, 0.0], [-0.0695216, -0.439892, -0.3153517, -0.008733]]],
     &[
         [[0.0, -0.4691358, -0.3209877, 0.0], [-0.1170224, -0.5861582, -0.3294661, -0.0023242]],
         [[0.0, -0.5432099, -0.5432099, 0.0], [-0.0132963, -0.6250001, -0.6250001, -0.0132963]],
@@ -57,12 +53,9 @@ fn enclose_row(c: &[DVec3], upper: bool) -> [DVec3; PIECES + 1] {
 
 /// The enclosure of a net by tensor product: values at the 4 x 4 break points.
 fn enclose_net(net: &[DVec3], [m, n]: [usize; 2], upper: bool) -> Vec<DVec3> {
-    let columns: Vec<[DVec3; PIECES + 1]> = (0..=n)
-        .map(|j| enclose_row(&(0..=m).map(|i| net[i * (n + 1) + j]).collect::<Vec<_>>(), upper))
-        .collect();
-    (0..=PIECES)
-        .flat_map(|k| enclose_row(&columns.iter().map(|c| c[k]).collect::<Vec<_>>(), upper))
-        .collect()
+    let columns: Vec<[DVec3; PIECES + 1]> =
+        (0..=n).map(|j| enclose_row(&(0..=m).map(|i| net[i * (n + 1) + j]).collect::<Vec<_>>(), upper)).collect();
+    (0..=PIECES).flat_map(|k| enclose_row(&columns.iter().map(|c| c[k]).collect::<Vec<_>>(), upper)).collect()
 }
 
 /// One number of pieces for both directions, from the widest projected enclosure box; Yeo 2012 section 4.
@@ -78,7 +71,8 @@ pub(super) fn constraints(subject: &Subject) -> Constraints {
         let corner = |k: usize| DVec3::new(pick(k & 1, l.x, h.x), pick(k & 2, l.y, h.y), pick(k & 4, l.z, h.z));
         let project = |c: DVec3| if lens.perspective { c.truncate() / c.z.max(lens.near) } else { c.truncate() };
         let corners: [_; 8] = std::array::from_fn(|k| project(corner(k)));
-        let size = corners.iter().fold(corners[0], |a, &b| a.max(b)) - corners.iter().fold(corners[0], |a, &b| a.min(b));
+        let size =
+            corners.iter().fold(corners[0], |a, &b| a.max(b)) - corners.iter().fold(corners[0], |a, &b| a.min(b));
         pixels = pixels.max(size.max_element());
         depth = depth.max(h.z - l.z);
     }

@@ -1,0 +1,177 @@
+//! What one pixel is judged by (DESIGN section 6).
+
+use super::hits::{Hit, Oracle};
+use super::view::ImagePoint;
+use crate::scene::Projection;
+use crate::stages::Pixel;
+use glam::DVec2;
+use std::cell::OnceCell;
+
+/// The contract's half pixel.
+pub(super) const HALF_PIXEL: f64 = 0.5;
+
+/// The frame stores depth in f32, after a few operations in f32: four half-ulps of the stored value (which is relative
+/// to camera depth in perspective, to the depth range in orthographic projection).
+const DEPTH_ROUNDING: f64 = 4.0 * f32::EPSILON as f64 / 2.0;
+
+/// Sub-samples a side; they span the closed square, so the middle one is the centre.
+const SIDE: usize = 5;
+
+/// Rays a side through a pixel in which the shown face was not found, its border included.
+const DENSE_SIDE: usize = 17;
+
+/// Judges pixels.
+pub(super) struct Check<'a> {
+    pub oracle: &'a Oracle<'a>,
+    /// Pixel sizes.
+    pub depth_tolerance: f64,
+}
+
+/// What was found about one drawn or background pixel. Errors are L-infinity, in pixels.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Verdict {
+    pub grid_error: Option<f64>,
+    pub parametric_error: Option<f64>,
+    pub refined_error: Option<f64>,
+    pub crack: bool,
+    pub covering_failure: bool,
+    pub depth_failure: bool,
+}
+
+/// The rays of one pixel, shot when first asked for.
+struct Samples<'a> {
+    check: &'a Check<'a>,
+    center: DVec2,
+    rays: [OnceCell<Vec<Hit>>; SIDE * SIDE],
+}
+
+/// A face of an instance.
+type FaceKey = (u32, u32);
+
+impl Verdict {
+    pub fn violation(&self) -> bool {
+        self.worst_error().is_some_and(|e| e > HALF_PIXEL)
+    }
+
+    /// The larger of the two errors that the contract bounds.
+    pub fn worst_error(&self) -> Option<f64> {
+        match (self.grid_error, self.parametric_error) {
+            (Some(a), Some(b)) => Some(a.max(b)),
+            (a, b) => a.or(b),
+        }
+    }
+}
+
+impl Check<'_> {
+    /// Judges pixel (x, y), which shows `pixel`, or background.
+    pub fn judge(&self, x: u32, y: u32, pixel: Option<&Pixel>) -> Verdict {
+        let center = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+        let samples = Samples { check: self, center, rays: Default::default() };
+        match pixel {
+            None => Verdict { crack: samples.all_hit(), ..Verdict::default() },
+            Some(pixel) => self.judge_drawn(pixel, &samples),
+        }
+    }
+
+    fn judge_drawn(&self, pixel: &Pixel, samples: &Samples) -> Verdict {
+        let project = |uv| self.oracle.project(pixel.instance, pixel.patch, uv);
+        let stored = project(pixel.stored);
+        let interpolated = if pixel.interpolated == pixel.stored { stored } else { project(pixel.interpolated) };
+        let error = |point: Option<ImagePoint>| {
+            // No such point: as wrong as can be.
+            point.map_or(f64::MAX, |p| (p.pixel - samples.center).abs().max_element())
+        };
+        let parametric = error(stored);
+        let depth = stored.map_or(f64::INFINITY, |p| p.depth);
+        let visible = self.face_is_visible(pixel, samples, [stored, interpolated]);
+        Verdict {
+            grid_error: (!pixel.filled).then(|| error(interpolated)),
+            parametric_error: Some(parametric),
+            refined_error: self.meets(pixel, samples).then_some(parametric),
+            crack: samples.all_hide(depth),
+            covering_failure: !visible,
+            depth_failure: visible && samples.all_hide(self.farthest_depth(pixel, depth)),
+        }
+    }
+
+    /// Depth of the shown point: the surface's at the stored parameter, or what the buffer says where that is farther.
+    /// Strokes are pushed back in the buffer on purpose (DESIGN section 4), so for filled pixels it does not count.
+    fn farthest_depth(&self, pixel: &Pixel, depth: f64) -> f64 {
+        if pixel.filled { depth } else { depth.max(self.oracle.camera().camera_depth(f64::from(pixel.depth))) }
+    }
+
+    /// The centre ray meets the shown patch, visible or not.
+    fn meets(&self, pixel: &Pixel, samples: &Samples) -> bool {
+        samples.ray(0).iter().any(|h| h.instance == pixel.instance && h.patch == pixel.patch)
+            || self.oracle.meets(samples.center, pixel.instance, pixel.patch)
+    }
+
+    /// Some point of the shown face in the pixel's closed square is visible to within delta: at the centre, at the
+    /// sub-samples, at what the frame says it shows, or at any of many more rays.
+    fn face_is_visible(&self, pixel: &Pixel, samples: &Samples, shown: [Option<ImagePoint>; 2]) -> bool {
+        let Some(patch) = self.oracle.scene().patches.get(pixel.patch as usize) else { return false };
+        let face = (pixel.instance, patch.face);
+        (0..SIDE * SIDE).any(|i| self.shows(samples.ray(i), face))
+            || shown.into_iter().flatten().any(|p| self.is_visible(&p, samples.center))
+            || grid(DENSE_SIDE).any(|offset| self.shows(&self.front(samples.center + offset), face))
+    }
+
+    /// One of the visible hits of a ray lies on the face.
+    fn shows(&self, front: &[Hit], face: FaceKey) -> bool {
+        let scene = self.oracle.scene();
+        front.iter().any(|h| (h.instance, scene.patches[h.patch as usize].face) == face)
+    }
+
+    /// A given surface point lies in the square and nothing hides it.
+    fn is_visible(&self, point: &ImagePoint, center: DVec2) -> bool {
+        (point.pixel - center).abs().max_element() <= HALF_PIXEL
+            && point.depth >= self.oracle.camera().near
+            && !self.hides(&self.front(point.pixel), point.depth)
+    }
+
+    /// The hits of a ray that are visible: within delta of the nearest.
+    fn front(&self, point: DVec2) -> Vec<Hit> {
+        self.oracle.front(point, |nearest| nearest + self.delta(nearest))
+    }
+
+    /// The nearest hit hides a point at this depth.
+    fn hides(&self, front: &[Hit], depth: f64) -> bool {
+        front.first().is_some_and(|nearest| !depth.is_finite() || nearest.depth < depth - self.delta(depth))
+    }
+
+    /// What depths may differ by at camera depth z: the depth tolerance and the rounding of stored depths.
+    fn delta(&self, z: f64) -> f64 {
+        let camera = self.oracle.camera();
+        let range = match camera.projection {
+            Projection::Perspective { .. } => z,
+            Projection::Orthographic { .. } => camera.extent,
+        };
+        self.depth_tolerance * camera.pixel_size(z) + DEPTH_ROUNDING * range
+    }
+}
+
+impl Samples<'_> {
+    /// The visible hits at one sub-sample; number 0 is the centre.
+    fn ray(&self, index: usize) -> &[Hit] {
+        self.rays[index].get_or_init(|| {
+            // The centre changes places with the first of the grid.
+            let middle = SIDE * SIDE / 2;
+            let at = if index == 0 { middle } else if index == middle { 0 } else { index };
+            self.check.front(self.center + grid(SIDE).nth(at).unwrap_or_default())
+        })
+    }
+
+    fn all_hit(&self) -> bool {
+        (0..SIDE * SIDE).all(|i| !self.ray(i).is_empty())
+    }
+
+    fn all_hide(&self, depth: f64) -> bool {
+        (0..SIDE * SIDE).all(|i| self.check.hides(self.ray(i), depth))
+    }
+}
+
+/// Offsets of `side` x `side` points that span the closed pixel about its centre.
+fn grid(side: usize) -> impl Iterator<Item = DVec2> {
+    let at = move |i: usize| i as f64 / (side - 1) as f64 - 0.5;
+    (0..side * side).map(move |i| DVec2::new(at(i % side), at(i / side)))
+}

@@ -1,0 +1,212 @@
+//! Which patches the ray through an image point meets, where, and how far away.
+
+use super::RESOLUTION;
+use super::hierarchy::Hierarchy;
+use super::piece::{Certificate, ImageBox, Piece, subdivide};
+use super::ray::{Meeting, Ray, view_net};
+use super::view::{Drawn, ImagePoint, View};
+use crate::scene::{Camera, Scene};
+use glam::{DVec2, DVec4};
+use rayon::prelude::*;
+
+/// One intersection of a ray with a drawn patch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Index into `Scene::instances`.
+    pub instance: u32,
+    /// Index into `Scene::patches`.
+    pub patch: u32,
+    /// In the patch's unit square.
+    pub u: f64,
+    pub v: f64,
+    /// Camera depth in model units.
+    pub depth: f64,
+    /// Found by a Newton iteration with proof that its piece holds no other. Else the ray passes within `RESOLUTION`
+    /// pixels of a piece that is smaller than that in the image (silhouettes, edge-on or collapsed patches), and `depth`
+    /// is the piece's nearest.
+    pub certified: bool,
+}
+
+/// Answers which surfaces a ray meets, in f64 and without any tessellation.
+#[derive(Debug)]
+pub struct Oracle<'a> {
+    scene: &'a Scene,
+    view: View,
+    drawn: Vec<Drawn>,
+    leaves: Vec<Leaf>,
+    hierarchy: Hierarchy,
+}
+
+/// A part of a patch that lies in one box of the image.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaf {
+    /// Index into `Oracle::drawn`.
+    drawn: u32,
+    /// `[[u0, u1], [v0, v1]]`
+    pub domain: [[f64; 2]; 2],
+    /// That no ray meets it twice, with the view point at its middle.
+    pub certificate: Option<(Certificate, DVec4)>,
+}
+
+/// Rays may start this many pixels outside the image.
+const MARGIN: f64 = 1.0;
+
+/// Parts of this many pixels are left to the single ray where they can't be certified (silhouettes run through them).
+const LEAF_PIXELS: f64 = 4.0;
+
+/// Parts a patch is cut into at most.
+const MAX_LEAVES: usize = 4096;
+
+impl<'a> Oracle<'a> {
+    /// Cuts every drawn patch that shows in the image into parts, and orders their boxes.
+    ///
+    /// Patches with coordinates that are not finite in this view can't be hit.
+    pub fn new(scene: &'a Scene, camera: &Camera) -> Self {
+        let view = View::new(camera);
+        let pairs: Vec<_> = (0..)
+            .zip(&scene.instances)
+            .flat_map(|(instance, placed)| placed.patches.clone().map(move |patch| (instance, patch as u32)))
+            .collect();
+        let cut: Vec<_> = pairs
+            .into_par_iter()
+            .map(|(instance, patch)| {
+                let drawn = view.drawn(scene, instance, patch);
+                (drawn, leaves(scene, &view, &drawn))
+            })
+            .filter(|(_, leaves)| !leaves.is_empty())
+            .collect();
+        let mut drawn = Vec::with_capacity(cut.len());
+        let mut boxes = Vec::new();
+        let mut all = Vec::new();
+        for (patch, leaves) in cut {
+            for (bounds, leaf) in leaves {
+                boxes.push(bounds);
+                all.push(Leaf { drawn: drawn.len() as u32, ..leaf });
+            }
+            drawn.push(patch);
+        }
+        Self { scene, view, drawn, leaves: all, hierarchy: Hierarchy::new(boxes.into_iter()) }
+    }
+
+    /// Every intersection of the ray through image point (x, y) with every drawn patch, nearest first; nothing nearer
+    /// than the near distance. Pixels, origin top left; (x, y) at most a pixel outside the image.
+    ///
+    /// A ray through the border of two patches meets both. Within one patch what can't be told apart at `RESOLUTION`
+    /// is one hit.
+    pub fn hits(&self, x: f64, y: f64) -> Vec<Hit> {
+        self.front(DVec2::new(x, y), |_| f64::INFINITY)
+    }
+
+    /// The hits no farther than `limit(depth of the nearest)`, nearest first.
+    pub(super) fn front(&self, point: DVec2, limit: impl Fn(f64) -> f64) -> Vec<Hit> {
+        let pixel = point - self.view.camera().center();
+        let mut candidates = Vec::new();
+        self.hierarchy.visit(pixel, RESOLUTION, |leaf, depth| candidates.push((depth, leaf)));
+        candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let mut hits = Vec::new();
+        let mut found = Vec::new();
+        let mut nearest = f64::INFINITY;
+        let mut farthest = f64::INFINITY;
+        for (depth, leaf) in candidates {
+            if depth > farthest {
+                break;
+            }
+            let leaf = &self.leaves[leaf as usize];
+            self.meet(leaf, pixel, &mut found);
+            for meeting in found.drain(..) {
+                if meeting.depth < nearest {
+                    nearest = meeting.depth;
+                    farthest = limit(nearest);
+                }
+                add(&mut hits, leaf.drawn, meeting);
+            }
+        }
+        hits.retain(|(_, meeting)| meeting.depth <= farthest);
+        hits.sort_by(|a, b| a.1.depth.total_cmp(&b.1.depth));
+        hits.into_iter().map(|(drawn, meeting)| self.hit(drawn, &meeting)).collect()
+    }
+
+    /// Whether the ray through the image point meets this patch at all.
+    pub(super) fn meets(&self, point: DVec2, instance: u32, patch: u32) -> bool {
+        let pixel = point - self.view.camera().center();
+        let mut found = Vec::new();
+        self.hierarchy.visit(pixel, RESOLUTION, |leaf, _| {
+            let leaf = &self.leaves[leaf as usize];
+            let drawn = &self.drawn[leaf.drawn as usize];
+            if found.is_empty() && drawn.instance == instance && drawn.patch == patch {
+                self.meet(leaf, pixel, &mut found);
+            }
+        });
+        !found.is_empty()
+    }
+
+    /// Where a surface point lies in the image; `None` without such a patch, or where it has no pixel.
+    pub(super) fn project(&self, instance: u32, patch: u32, [u, v]: [f64; 2]) -> Option<ImagePoint> {
+        if !self.scene.instances.get(instance as usize)?.patches.contains(&(patch as usize)) {
+            return None;
+        }
+        let q = self.view.drawn(self.scene, instance, patch).jet(self.scene, u, v).point;
+        let point = self.view.image_point(q);
+        (self.view.divisor(q) > 0.0 && point.pixel.is_finite() && point.depth.is_finite()).then_some(point)
+    }
+
+    pub(super) fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
+    pub(super) fn camera(&self) -> &Camera {
+        self.view.camera()
+    }
+
+    fn meet(&self, leaf: &Leaf, pixel: DVec2, found: &mut Vec<Meeting>) {
+        let drawn = &self.drawn[leaf.drawn as usize];
+        Ray { scene: self.scene, view: &self.view, drawn, pixel }.meet(leaf, found);
+    }
+
+    fn hit(&self, drawn: u32, meeting: &Meeting) -> Hit {
+        let Drawn { instance, patch, .. } = self.drawn[drawn as usize];
+        let [u, v] = meeting.parameter;
+        Hit { instance, patch, u, v, depth: meeting.depth, certified: meeting.certified }
+    }
+}
+
+/// Cuts one patch until its parts are certified or small, and drops what is outside the image or nearer than near.
+fn leaves(scene: &Scene, view: &View, drawn: &Drawn) -> Vec<(ImageBox, Leaf)> {
+    let net = view_net(scene, drawn);
+    let mut leaves = Vec::new();
+    if !net.points().iter().all(|q| q.is_finite()) {
+        return leaves;
+    }
+    let reach = view.camera().center() + MARGIN;
+    let screen = ImageBox { low: -reach, high: reach, depth: 0.0 };
+    subdivide(Piece::whole(net), view, MAX_LEAVES, |piece, last| {
+        let Some(image) = piece.image_box(view).filter(|image| image.meets(&screen)) else { return false };
+        let bounds = image.clip(&screen);
+        let net = piece.net.net();
+        let half = bounds.size() * 0.5 + RESOLUTION;
+        let certificate = Certificate::of(net, view, bounds.center(), half).map(|c| (c, net.jet(0.5, 0.5).point));
+        if certificate.is_none() && !last && bounds.size().max_element() > LEAF_PIXELS {
+            return true;
+        }
+        leaves.push((bounds, Leaf { drawn: 0, domain: piece.domain, certificate }));
+        false
+    });
+    leaves
+}
+
+/// Adds a meeting unless it is one that the patch's neighbouring piece has found already.
+fn add(hits: &mut Vec<(u32, Meeting)>, drawn: u32, new: Meeting) {
+    let same = |old: &Meeting| {
+        (0..2).all(|axis| {
+            (old.parameter[axis] - new.parameter[axis]).abs() <= 1.01 * (old.extent[axis] + new.extent[axis])
+        })
+    };
+    let Some((_, old)) = hits.iter_mut().find(|(of, old)| *of == drawn && same(old)) else {
+        return hits.push((drawn, new));
+    };
+    if new.certified && !old.certified {
+        *old = new;
+    } else if !new.certified && !old.certified {
+        *old = old.joined(&new);
+    }
+}

@@ -1,0 +1,235 @@
+//! From verdicts to numbers.
+
+use super::Oracle;
+use super::check::{Check, Verdict};
+use super::error_image::{Class, ErrorMap};
+use super::sample::{Sampling, choose};
+use crate::scene::{Camera, Scene};
+use crate::stages::{Options, Pixel};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// What `verify` found in one frame (DESIGN sections 6 and 7).
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Pixels checked, background included.
+    pub pixels: u64,
+    /// Of these, pixels that show a surface.
+    pub drawn: u64,
+    /// Of the interpolated parameter, over centre-covered pixels.
+    pub grid_error_px: Option<ErrorStats>,
+    /// Of the stored parameter, over drawn pixels.
+    pub parametric_error_px: Option<ErrorStats>,
+    /// The same, over pixels whose centre ray meets the stored patch.
+    pub refined_error_px: Option<ErrorStats>,
+    /// Pixels whose grid or parametric error is beyond half a pixel.
+    pub violations: u64,
+    pub cracks: u64,
+    pub covering_failures: u64,
+    pub depth_failures: u64,
+    /// Checked pixels that the stroke buffer decided.
+    pub filled: u64,
+    /// The worst pixels of each kind of failure.
+    pub worst: Vec<Offender>,
+    /// What the check took.
+    pub seconds: f64,
+    /// The verdict on every checked pixel, for the error image.
+    #[serde(skip)]
+    pub map: ErrorMap,
+}
+
+/// Errors in pixels, L-infinity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct ErrorStats {
+    pub max: f64,
+    /// The smallest error that 99.9 % of the pixels do not exceed.
+    pub p999: f64,
+    pub mean: f64,
+}
+
+/// A pixel that breaks the contract.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Offender {
+    pub kind: Failure,
+    pub x: u32,
+    pub y: u32,
+    /// What the frame shows there; `None` for background.
+    pub instance: Option<u32>,
+    pub patch: Option<u32>,
+    /// The larger of grid and parametric error.
+    pub error_px: Option<f64>,
+}
+
+/// The ways to break the contract.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Failure {
+    Violation,
+    Crack,
+    CoveringFailure,
+    DepthFailure,
+}
+
+/// Offenders listed of each kind.
+const WORST_OF_A_KIND: usize = 16;
+
+/// Sums over pixels; errors are kept (4 bytes each), since a percentile needs them all.
+#[derive(Default)]
+struct Tally {
+    pixels: u64,
+    drawn: u64,
+    filled: u64,
+    /// In the order of `Failure`.
+    failures: [u64; 4],
+    /// Grid, parametric, refined.
+    errors: [Vec<f32>; 3],
+    worst: Vec<Offender>,
+}
+
+impl Report {
+    /// The contract holds on every checked pixel.
+    pub fn passed(&self) -> bool {
+        self.violations == 0 && self.cracks == 0 && self.covering_failures == 0 && self.depth_failures == 0
+    }
+}
+
+/// Checks a frame against the exact surfaces.
+///
+/// `pixels(x, y)` is what the frame of `scene` under `camera` shows, `None` for background. `options` gives the depth
+/// tolerance. `progress(done, all)` is called now and then, from any thread.
+pub fn verify(
+    scene: &Scene,
+    camera: &Camera,
+    options: &Options,
+    pixels: &(impl Fn(u32, u32) -> Option<Pixel> + Sync),
+    sampling: &Sampling,
+    progress: &(dyn Fn(usize, usize) + Sync),
+) -> Report {
+    let start = Instant::now();
+    let oracle = Oracle::new(scene, camera);
+    let check = Check { oracle: &oracle, depth_tolerance: options.depth_tolerance };
+    let [width, height] = camera.size;
+    let chosen = choose(camera.size, pixels, sampling);
+    let count = chosen.as_ref().map_or(width as usize * height as usize, Vec::len);
+    let done = AtomicUsize::new(0);
+    // A row's worth is enough work for a task, and short enough to balance.
+    let task = (width as usize).clamp(64, 4096);
+    let parts: Vec<(Tally, Vec<Class>)> = (0..count.div_ceil(task))
+        .into_par_iter()
+        .map(|part| {
+            let range = part * task..count.min((part + 1) * task);
+            let length = range.len();
+            let mut tally = Tally::default();
+            let classes = range
+                .map(|i| {
+                    let at = chosen.as_ref().map_or(i as u32, |chosen| chosen[i]);
+                    let (x, y) = (at % width, at / width);
+                    let pixel = pixels(x, y);
+                    let verdict = check.judge(x, y, pixel.as_ref());
+                    tally.add(x, y, pixel.as_ref(), &verdict);
+                    Class::of(pixel.is_some(), &verdict)
+                })
+                .collect();
+            progress(done.fetch_add(length, Ordering::Relaxed) + length, count);
+            (tally, classes)
+        })
+        .collect();
+    let mut tally = Tally::default();
+    let mut map = ErrorMap::new(camera.size);
+    for (part, (of_part, classes)) in parts.into_iter().enumerate() {
+        for (i, class) in (part * task..).zip(classes) {
+            map.set(chosen.as_ref().map_or(i, |chosen| chosen[i] as usize), class);
+        }
+        tally.join(of_part);
+    }
+    tally.report(map, start.elapsed().as_secs_f64())
+}
+
+impl Tally {
+    fn add(&mut self, x: u32, y: u32, pixel: Option<&Pixel>, verdict: &Verdict) {
+        self.pixels += 1;
+        self.drawn += u64::from(pixel.is_some());
+        self.filled += u64::from(pixel.is_some_and(|p| p.filled));
+        let errors = [verdict.grid_error, verdict.parametric_error, verdict.refined_error];
+        for (all, error) in self.errors.iter_mut().zip(errors) {
+            all.extend(error.map(|e| e.min(f64::from(f32::MAX)) as f32));
+        }
+        let kinds = [
+            (Failure::Violation, verdict.violation()),
+            (Failure::Crack, verdict.crack),
+            (Failure::CoveringFailure, verdict.covering_failure),
+            (Failure::DepthFailure, verdict.depth_failure),
+        ];
+        for (kind, _) in kinds.into_iter().filter(|(_, failed)| *failed) {
+            self.failures[kind as usize] += 1;
+            let (instance, patch) = (pixel.map(|p| p.instance), pixel.map(|p| p.patch));
+            self.worst.push(Offender { kind, x, y, instance, patch, error_px: verdict.worst_error() });
+        }
+        if self.worst.len() > 8 * WORST_OF_A_KIND {
+            self.keep_worst();
+        }
+    }
+
+    fn join(&mut self, other: Self) {
+        self.pixels += other.pixels;
+        self.drawn += other.drawn;
+        self.filled += other.filled;
+        for (sum, more) in self.failures.iter_mut().zip(other.failures) {
+            *sum += more;
+        }
+        for (all, more) in self.errors.iter_mut().zip(other.errors) {
+            all.extend(more);
+        }
+        self.worst.extend(other.worst);
+        self.keep_worst();
+    }
+
+    /// Drops all but the worst of each kind; by kind, then error, then place.
+    fn keep_worst(&mut self) {
+        self.worst.sort_by(|a, b| {
+            let error = |o: &Offender| o.error_px.unwrap_or(0.0);
+            a.kind.cmp(&b.kind).then(error(b).total_cmp(&error(a))).then((a.y, a.x).cmp(&(b.y, b.x)))
+        });
+        let mut kept = [0; 4];
+        self.worst.retain(|o| {
+            kept[o.kind as usize] += 1;
+            kept[o.kind as usize] <= WORST_OF_A_KIND
+        });
+    }
+
+    fn report(self, map: ErrorMap, seconds: f64) -> Report {
+        let [grid, parametric, refined] = self.errors.map(|errors| ErrorStats::of(errors));
+        let [violations, cracks, covering_failures, depth_failures] = self.failures;
+        Report {
+            pixels: self.pixels,
+            drawn: self.drawn,
+            grid_error_px: grid,
+            parametric_error_px: parametric,
+            refined_error_px: refined,
+            violations,
+            cracks,
+            covering_failures,
+            depth_failures,
+            filled: self.filled,
+            worst: self.worst,
+            seconds,
+            map,
+        }
+    }
+}
+
+impl ErrorStats {
+    fn of(mut errors: Vec<f32>) -> Option<Self> {
+        let count = errors.len();
+        if count == 0 {
+            return None;
+        }
+        let rank = ((count as f64 * 0.999).ceil() as usize).clamp(1, count) - 1;
+        let max = errors.iter().copied().fold(0.0, f32::max);
+        let mean = errors.iter().map(|&e| f64::from(e)).sum::<f64>() / count as f64;
+        let (_, p999, _) = errors.select_nth_unstable_by(rank, f32::total_cmp);
+        Some(Self { max: f64::from(max), p999: f64::from(*p999), mean })
+    }
+}
