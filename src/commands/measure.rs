@@ -3,6 +3,7 @@
 use crate::report::{Counts, Errors, Machine, Measured, Outcome, Row, Setting, Shot, Spread, name, stage_spreads};
 use crate::scene::{Scene, ViewSpec};
 use crate::stages::{Frame, Options, RenderError, Renderer, Stats};
+use crate::verify::{Sampling, verify};
 use anyhow::Result;
 use std::time::Instant;
 
@@ -49,8 +50,10 @@ impl<'a> Subject<'a> {
     pub fn row(&mut self, view: &ViewSpec, options: &Options) -> Result<Row> {
         let outcome = match self.time(view, options)? {
             Ok(timed) => {
-                let errors = if self.effort.samples > 0 { judge(self.scene, &timed.frame, self.effort)? } else { None };
-                Outcome::Measured(Box::new(timed.measured(errors)))
+                let errors = judge(self.scene, &timed.frame, self.effort);
+                let measured = timed.measured(errors);
+                self.renderer.recycle(timed.frame);
+                Outcome::Measured(Box::new(measured))
             }
             Err(refused) => Outcome::Refused(refused.to_string()),
         };
@@ -71,22 +74,22 @@ impl<'a> Subject<'a> {
     /// Draws a frame to warm up, then the timed ones.
     pub fn time(&mut self, view: &ViewSpec, options: &Options) -> Result<Result<Timed, RenderError>> {
         let camera = view.camera(&self.scene.bounds)?;
-        if let Err(refused) = self.renderer.render(&camera, options) {
-            return Ok(Err(refused));
-        }
         let (mut stats, mut total) = (Vec::new(), Vec::new());
-        loop {
+        let mut frame = match self.renderer.render(&camera, options) {
+            Ok(frame) => frame,
+            Err(refused) => return Ok(Err(refused)),
+        };
+        for _ in 0..self.effort.frames {
+            self.renderer.recycle(frame);
             let start = Instant::now();
-            let frame = match self.renderer.render(&camera, options) {
+            frame = match self.renderer.render(&camera, options) {
                 Ok(frame) => frame,
                 Err(refused) => return Ok(Err(refused)),
             };
             total.push(start.elapsed().as_secs_f64() * 1e3);
             stats.push(frame.stats.clone());
-            if total.len() >= self.effort.frames as usize {
-                return Ok(Ok(Timed { stats, total, frame }));
-            }
         }
+        Ok(Ok(Timed { stats, total, frame }))
     }
 }
 
@@ -111,9 +114,12 @@ pub fn shot(view: &ViewSpec) -> Shot {
     Shot { view: called, zoom: view.zoom, orthographic: view.orthographic, size: view.size }
 }
 
-/// Asks the oracle about a frame.
-pub fn judge(scene: &Scene, frame: &Frame, effort: Effort) -> Result<Option<Errors>> {
-    // The oracle is being written; until then a row says that its errors were not measured.
-    let _ = (scene, frame, effort);
-    Ok(None)
+/// Asks the oracle about a frame; `None` where the effort holds no samples.
+pub fn judge(scene: &Scene, frame: &Frame, effort: Effort) -> Option<Errors> {
+    if effort.samples == 0 {
+        return None;
+    }
+    let sampling = Sampling { samples: Some(effort.samples), seed: effort.seed };
+    let pixels = |x, y| frame.pixel(x, y);
+    Some(Errors::from(&verify(scene, &frame.camera, &frame.options, &pixels, &sampling, &|_, _| ())))
 }

@@ -8,7 +8,7 @@ mod rows;
 mod table;
 
 pub use front::{Point, pareto, points, summary};
-pub use machine::{Machine, peak_memory};
+pub use machine::{Machine, cpu_name, peak_memory};
 pub use plot::{PlotError, plot_png, plot_svg};
 pub use row::{Counts, Errors, Measured, Outcome, Row, Setting, Shot, Spread, StageSpread, Summary, stage_spreads};
 pub use rows::{brief, from_json, full, name, to_json};

@@ -156,7 +156,13 @@ impl Samples<'_> {
         self.rays[index].get_or_init(|| {
             // The centre changes places with the first of the grid.
             let middle = SIDE * SIDE / 2;
-            let at = if index == 0 { middle } else if index == middle { 0 } else { index };
+            let at = if index == 0 {
+                middle
+            } else if index == middle {
+                0
+            } else {
+                index
+            };
             self.check.front(self.center + grid(SIDE).nth(at).unwrap_or_default())
         })
     }

@@ -39,8 +39,7 @@ const LARGEST_CONTRACTION: f64 = 0.4;
 const MAX_DEPTH: usize = 100;
 
 impl ImageBox {
-    pub const EMPTY: Self =
-        Self { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, depth: f64::INFINITY };
+    pub const EMPTY: Self = Self { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, depth: f64::INFINITY };
 
     pub fn union(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high), depth: self.depth.min(other.depth) }

@@ -4,8 +4,8 @@ use super::{Effort, Findings, ResultArgs, floor, progress_bar};
 use crate::commands::args::FrameArgs;
 use crate::commands::measure::{Subject, Timed};
 use crate::report::{Measured, Outcome, Row, Spread, Table, name, peak_memory};
-use crate::scene::Scene;
-use crate::stages::{Bound, Grid, Options, Renderer};
+use crate::scene::{Camera, Scene};
+use crate::stages::{Bound, Frame, Grid, Options, Renderer, Stats};
 use anyhow::{Context, Result};
 use std::time::Instant;
 
@@ -66,28 +66,51 @@ pub fn run(args: &Args) -> Result<()> {
 fn alternate(args: &Args, scene: &Scene, ours: &Options, eter: &Options) -> Result<(Measured, Measured)> {
     let camera = args.frame.camera(scene)?;
     // Each keeps its own buffers, as it would alone.
-    let mut sides = [(Renderer::new(scene), ours, None::<Timed>), (Renderer::new(scene), eter, None)];
+    let mut sides = [Side::new(scene, ours), Side::new(scene, eter)];
     let bar = progress_bar("timing");
     bar.set_length(u64::from(args.frames) + 1);
     for turn in 0..=args.frames {
-        for (renderer, options, timed) in &mut sides {
-            let start = Instant::now();
-            let frame = renderer.render(&camera, options)?;
-            let ms = start.elapsed().as_secs_f64() * 1e3;
-            if turn == 0 {
-                continue;
-            }
-            let (mut stats, mut total) = timed.take().map_or_else(Default::default, |t| (t.stats, t.total));
-            stats.push(frame.stats.clone());
-            total.push(ms);
-            *timed = Some(Timed { stats, total, frame });
+        for side in &mut sides {
+            side.draw(&camera, turn == 0)?;
         }
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let [(_, _, a), (_, _, b)] = sides;
-    let (a, b) = a.zip(b).context("no frame was timed")?;
-    Ok((a.measured(None), b.measured(None)))
+    let [a, b] = sides.map(Side::measured);
+    a.zip(b).context("no frame was timed")
+}
+
+/// One configuration that is drawn again and again.
+struct Side<'a> {
+    renderer: Renderer<'a>,
+    options: &'a Options,
+    stats: Vec<Stats>,
+    total: Vec<f64>,
+    frame: Option<Frame>,
+}
+
+impl<'a> Side<'a> {
+    fn new(scene: &'a Scene, options: &'a Options) -> Self {
+        Self { renderer: Renderer::new(scene), options, stats: Vec::new(), total: Vec::new(), frame: None }
+    }
+
+    fn draw(&mut self, camera: &Camera, warm_up: bool) -> Result<()> {
+        if let Some(last) = self.frame.take() {
+            self.renderer.recycle(last);
+        }
+        let start = Instant::now();
+        let frame = self.renderer.render(camera, self.options)?;
+        if !warm_up {
+            self.total.push(start.elapsed().as_secs_f64() * 1e3);
+            self.stats.push(frame.stats.clone());
+        }
+        self.frame = Some(frame);
+        Ok(())
+    }
+
+    fn measured(self) -> Option<Measured> {
+        Some(Timed { stats: self.stats, total: self.total, frame: self.frame? }.measured(None))
+    }
 }
 
 fn about(frame: &FrameArgs) -> String {

@@ -117,7 +117,7 @@ fn draw(frame: &FrameArgs, args: &Args) -> Result<Drawn> {
                 return Ok((subject.labelled(&view, &options, Outcome::Refused(refused.to_string())), None));
             }
         };
-        let errors = if args.samples > 0 { judge(&scene, &timed.frame, effort)? } else { None };
+        let errors = judge(&scene, &timed.frame, effort);
         let outcome = Outcome::Measured(Box::new(timed.measured(errors)));
         Ok((subject.labelled(&view, &options, outcome), Some(not_finite(&timed.frame))))
     })
