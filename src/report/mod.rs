@@ -35,6 +35,8 @@ mod testing {
                 counts: Counts { quads: 100, triangles: 200, ..Counts::default() },
                 errors: Some(Errors { checked: 10, grid: Some(summary), ..Errors::default() }),
             })),
+            backend: "cpu".into(),
+            raster: "software".into(),
             machine: Machine {
                 device: "a processor".into(),
                 threads: 2,

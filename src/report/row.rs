@@ -11,6 +11,9 @@ pub struct Row {
     pub shot: Shot,
     pub setting: Setting,
     pub outcome: Outcome,
+    /// What really drew, as every output names it: `cpu`, `software`.
+    pub backend: String,
+    pub raster: String,
     pub machine: super::Machine,
 }
 

@@ -41,6 +41,12 @@ pub fn run(args: &Args) -> Result<()> {
     })
 }
 
+/// What resuming needs of a results file.
+#[derive(serde::Deserialize)]
+struct Saved {
+    rows: Vec<Row>,
+}
+
 /// Rows of the same commit; those of another one are measured anew.
 fn earlier(args: &Args) -> Result<Vec<Row>> {
     let Some(prefix) = &args.suite.results.output else { return Ok(Vec::new()) };
@@ -49,8 +55,9 @@ fn earlier(args: &Args) -> Result<Vec<Row>> {
         return Ok(Vec::new());
     }
     let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    let mut rows = report::from_json(&text)
-        .with_context(|| format!("{} holds no rows: start without --resume", path.display()))?;
+    let saved: Saved =
+        serde_json::from_str(&text).with_context(|| format!("{}: start without --resume", path.display()))?;
+    let mut rows = saved.rows;
     let commit = Machine::here(0).commit;
     rows.retain(|row| row.machine.commit == commit);
     Ok(rows)
@@ -70,7 +77,7 @@ fn measure(args: &Args, mut subject: Subject<'_>, rows: &mut Vec<Row>) -> Result
         }
         if let Some(prefix) = &args.suite.results.output {
             // The machine is slow and this takes hours: keep what there is.
-            results::write(prefix, ".json", &(report::to_json(rows)? + "\n"))?;
+            findings(rows.clone()).write_json(prefix)?;
         }
     }
     bar.finish_and_clear();
@@ -103,11 +110,12 @@ fn summary(rows: &[Row]) -> Table {
         "refused",
         "checked",
         "violations",
+        "violations per 1e5",
         "cracks",
         "covering",
-        "per 1e5",
+        "covering per 1e5",
         "depth",
-        "per 1e5",
+        "depth per 1e5",
         "grid max px",
         "param max px",
         "refined max px",
@@ -134,6 +142,7 @@ fn summary_line(rows: &[&Row]) -> Vec<Cell> {
     let rate = |n: Option<u64>| Some(n? as f64 * 1e5 / checked.filter(|&c| c > 0)? as f64);
     let worst =
         |get: fn(&Errors) -> Option<Summary>| errors.iter().filter_map(|e| get(e)).map(|s| s.max).reduce(f64::max);
+    let violations = sum(|e| e.violations);
     let (covering, depth) = (sum(|e| e.covering_failures), sum(|e| e.depth_failures));
     let reasons: Vec<&str> = rows
         .iter()
@@ -150,7 +159,8 @@ fn summary_line(rows: &[&Row]) -> Vec<Cell> {
         rows.len().into(),
         reasons.len().into(),
         checked.into(),
-        sum(|e| e.violations).into(),
+        violations.into(),
+        rate(violations).into(),
         sum(|e| e.cracks).into(),
         covering.into(),
         rate(covering).into(),

@@ -2,10 +2,10 @@
 
 use super::{Effort, Findings, ResultArgs, floor, progress_bar};
 use crate::commands::args::FrameArgs;
-use crate::commands::measure::{Subject, Timed};
-use crate::report::{Measured, Outcome, Row, Spread, Table, name, peak_memory};
-use crate::scene::{Camera, Scene};
-use crate::stages::{Bound, Frame, Grid, Options, Renderer, Stats};
+use crate::commands::measure::{Run, Subject};
+use crate::report::{Counts, Measured, Outcome, Row, Spread, Table, name, peak_memory, stage_spreads};
+use crate::scene::Scene;
+use crate::stages::{Bound, Grid, Options, Renderer};
 use anyhow::{Context, Result};
 use std::time::Instant;
 
@@ -66,51 +66,32 @@ pub fn run(args: &Args) -> Result<()> {
 fn alternate(args: &Args, scene: &Scene, ours: &Options, eter: &Options) -> Result<(Measured, Measured)> {
     let camera = args.frame.camera(scene)?;
     // Each keeps its own buffers, as it would alone.
-    let mut sides = [Side::new(scene, ours), Side::new(scene, eter)];
+    let mut sides = [ours, eter].map(|options| (Renderer::new(scene), options, Run::default()));
     let bar = progress_bar("timing");
     bar.set_length(u64::from(args.frames) + 1);
     for turn in 0..=args.frames {
-        for side in &mut sides {
-            side.draw(&camera, turn == 0)?;
+        for (renderer, options, run) in &mut sides {
+            run.draw(renderer, &camera, options, turn == 0);
         }
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let [a, b] = sides.map(Side::measured);
-    a.zip(b).context("no frame was timed")
+    let [a, b] = sides.map(|(_, _, run)| run);
+    Ok((measured(a)?, measured(b)?))
 }
 
-/// One configuration that is drawn again and again.
-struct Side<'a> {
-    renderer: Renderer<'a>,
-    options: &'a Options,
-    stats: Vec<Stats>,
-    total: Vec<f64>,
-    frame: Option<Frame>,
-}
-
-impl<'a> Side<'a> {
-    fn new(scene: &'a Scene, options: &'a Options) -> Self {
-        Self { renderer: Renderer::new(scene), options, stats: Vec::new(), total: Vec::new(), frame: None }
+fn measured(run: Run) -> Result<Measured> {
+    if let Some(refused) = run.refused {
+        return Err(refused.into());
     }
-
-    fn draw(&mut self, camera: &Camera, warm_up: bool) -> Result<()> {
-        if let Some(last) = self.frame.take() {
-            self.renderer.recycle(last);
-        }
-        let start = Instant::now();
-        let frame = self.renderer.render(camera, self.options)?;
-        if !warm_up {
-            self.total.push(start.elapsed().as_secs_f64() * 1e3);
-            self.stats.push(frame.stats.clone());
-        }
-        self.frame = Some(frame);
-        Ok(())
-    }
-
-    fn measured(self) -> Option<Measured> {
-        Some(Timed { stats: self.stats, total: self.total, frame: self.frame? }.measured(None))
-    }
+    let last = run.stats.last().context("no frame was timed")?;
+    Ok(Measured {
+        frames: run.total.len(),
+        total: Spread::of(run.total.clone()),
+        stages: stage_spreads(&run.stats),
+        counts: Counts::from(last),
+        errors: None,
+    })
 }
 
 fn about(frame: &FrameArgs) -> String {

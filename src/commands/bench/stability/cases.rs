@@ -3,9 +3,12 @@
 /// Title and command line.
 pub const CASES: &[(&str, &str)] = &[
     ("offset 1e6", "builtin:stress:offset1e6"),
-    ("offset 1e6, zoom 64", "builtin:stress:offset1e6 --zoom 64"),
+    ("offset 1e6, zoom 64", "builtin:stress:offset1e6 --target 1000000.9533,-1000000.9533,1000000.1969 --zoom 64"),
     ("offset 1e9", "builtin:stress:offset1e9"),
-    ("offset 1e9, zoom 64", "builtin:stress:offset1e9 --zoom 64"),
+    (
+        "offset 1e9, zoom 64",
+        "builtin:stress:offset1e9 --target 1000000000.9533,-1000000000.9533,1000000000.1969 --zoom 64",
+    ),
     ("scale 1e-6", "builtin:stress:scale1e-6"),
     ("scale 1e6", "builtin:stress:scale1e6"),
     ("weights 1e-3 to 1e3", "builtin:stress:weights"),
