@@ -14,8 +14,9 @@ pub use row::{Counts, Errors, Measured, Outcome, Row, Setting, Shot, Spread, Sta
 pub use rows::{brief, from_json, full, name, to_json};
 pub use table::{Cell, Table, three_figures};
 
+/// Made-up rows.
 #[cfg(test)]
-mod testing {
+pub(crate) mod testing {
     use super::*;
     use crate::stages::{Bound, Grid, Options};
 

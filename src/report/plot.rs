@@ -131,8 +131,9 @@ where
     CT::From: Clone,
 {
     let mut outline = shape(bound);
-    let inside = if grid == Grid::Variable { color(bound) } else { WHITE };
-    area.draw(&(EmptyElement::at(at.clone()) + Polygon::new(outline.clone(), inside.filled())))?;
+    if grid == Grid::Variable {
+        area.draw(&(EmptyElement::at(at.clone()) + Polygon::new(outline.clone(), color(bound).filled())))?;
+    }
     outline.push(outline[0]);
     area.draw(&(EmptyElement::at(at) + PathElement::new(outline, color(bound).stroke_width(2))))
 }

@@ -76,7 +76,7 @@ fn measure(args: &Args, mut subject: Subject<'_>, rows: &mut Vec<Row>) -> Result
             bar.inc(1);
         }
         if let Some(prefix) = &args.suite.results.output {
-            // The machine is slow and this takes hours: keep what there is.
+            // A long run that may be cut off: keep what there is.
             findings(rows.clone()).write_json(prefix)?;
         }
     }
@@ -171,4 +171,29 @@ fn summary_line(rows: &[&Row]) -> Vec<Cell> {
         worst(|e| e.refined).into(),
         reasons.first().map_or(String::new(), |r| format!("refused: {r}")).into(),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::testing::{refused, row};
+
+    #[test]
+    fn failures_are_summed_and_errors_are_the_worst() {
+        let mut rows = vec![
+            row(Bound::Screen, Grid::Variable, 0.5, 1.0, 0.25),
+            row(Bound::Screen, Grid::Variable, 0.5, 1.0, 0.75),
+            refused(Bound::Screen, "no reason"),
+        ];
+        for (row, violations) in rows.iter_mut().zip([0, 2]) {
+            if let Outcome::Measured(m) = &mut row.outcome {
+                m.errors = m.errors.take().map(|e| Errors { checked: 500, violations, ..e });
+            }
+        }
+        let json = summary(&rows).json();
+        assert_eq!((&json[0]["shots"], &json[0]["refused"], &json[0]["checked"]), (&3.into(), &1.into(), &1000.into()));
+        assert_eq!((&json[0]["violations"], &json[0]["violations per 1e5"]), (&2.into(), &200.0.into()));
+        assert_eq!(json[0]["grid max px"], 0.75);
+        assert_eq!(findings(rows).tables[1].1.json().as_array().map(Vec::len), Some(1));
+    }
 }
