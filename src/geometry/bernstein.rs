@@ -13,7 +13,7 @@ pub trait Coefficient: Copy + Default + Add<Output = Self> + Sub<Output = Self> 
 
 impl<T: Copy + Default + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>> Coefficient for T {}
 
-/// A polynomial over [0,1]² of degree `[m, n]` in scaled Bernstein form, u outermost.
+/// A polynomial over [0, 1]² of degree `[m, n]` in scaled Bernstein form, u outermost.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bernstein<T> {
     degree: [usize; 2],
@@ -130,7 +130,7 @@ impl<T: Coefficient> Bernstein<T> {
 }
 
 /// Point sets `[uu, uv, vv]` whose convex hulls contain `S_uu`, `S_uv`, `S_vv` of the rational surface over the patch
-/// (parameters in [0,1]², up to rounding: some 1e-15 of the net's size about its centre times `degree²`, times the
+/// (parameters in [0, 1]², up to rounding: some 1e-15 of the net's size about its centre times `degree²`, times the
 /// cube of the weights' ratio).
 ///
 /// Polynomial nets: second differences. Rational nets: the numerator of the quotient rule over the cube of the weight,

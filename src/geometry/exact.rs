@@ -33,6 +33,8 @@ impl Frame {
         let reference = reference.try_normalize().unwrap_or(DVec3::X);
         let x = reference - z * reference.dot(z);
         let x = if x.length() > 1e-9 { x.normalize() } else { z.any_orthonormal_vector() };
+        // Twice is enough: after the first time what is left along z is rounding over the length of x.
+        let x = (x - z * x.dot(z)).normalize();
         Some(Self { origin, x, y: z.cross(x), z })
     }
 

@@ -17,10 +17,8 @@ pub struct Knots {
 impl Knots {
     /// Checks `values` for `point_count` control points; `what` names the curve or surface in errors.
     pub fn new(what: &str, degree: usize, point_count: usize, values: Vec<f64>) -> Result<Self, GeometryError> {
+        check_degree(what, degree)?;
         let what = || what.to_string();
-        if !(1..=MAX_DEGREE).contains(&degree) {
-            return Err(GeometryError::BadDegree { what: what(), degree, max: MAX_DEGREE });
-        }
         if point_count <= degree {
             return Err(GeometryError::PointCount { what: what(), expected: degree + 1, found: point_count });
         }
@@ -47,6 +45,7 @@ impl Knots {
     /// The full vector of a periodic B-spline from the knots `t_0..t_n` of one period (`n` control points, to be
     /// wrapped: point `k` is point `k mod n`, `n + degree` in all). The domain is `[t_0, t_n]`.
     pub fn periodic(what: &str, degree: usize, period: &[f64]) -> Result<Self, GeometryError> {
+        check_degree(what, degree)?;
         let n = period.len().saturating_sub(1);
         if n == 0 {
             return Err(GeometryError::KnotCount { what: what.into(), expected: 2, found: period.len() });
@@ -178,4 +177,11 @@ impl Knots {
         };
         (0..=line.len()).map(point).collect()
     }
+}
+
+fn check_degree(what: &str, degree: usize) -> Result<(), GeometryError> {
+    if (1..=MAX_DEGREE).contains(&degree) {
+        return Ok(());
+    }
+    Err(GeometryError::BadDegree { what: what.into(), degree, max: MAX_DEGREE })
 }

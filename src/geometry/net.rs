@@ -6,14 +6,14 @@ use glam::{DAffine3, DVec3, DVec4};
 /// Largest degree in one direction; binomial sums stay well inside f64 there.
 pub const MAX_DEGREE: usize = 63;
 
-/// A borrowed control net of a rational tensor-product Bézier patch over [0,1]².
+/// A borrowed control net of a rational tensor-product Bézier patch over [0, 1]².
 #[derive(Clone, Copy, Debug)]
 pub struct Net<'a> {
     degree: [usize; 2],
     points: &'a [DVec4],
 }
 
-/// An owned control net of a rational tensor-product Bézier patch over [0,1]².
+/// An owned control net of a rational tensor-product Bézier patch over [0, 1]².
 #[derive(Clone, Debug, PartialEq)]
 pub struct BezierPatch {
     degree: [usize; 2],
@@ -128,7 +128,7 @@ impl<'a> Net<'a> {
         self.points.iter().any(|p| (p.w - w0).abs() > 1e-14 * w0.abs())
     }
 
-    /// Homogeneous point and first derivatives at (u, v) in [0,1]², by de Casteljau.
+    /// Homogeneous point and first derivatives at (u, v) in [0, 1]², by de Casteljau.
     ///
     /// With m and n the degrees, e = 2^-53 and P the largest control coordinate in that component, the point is within
     /// 3 (m + n) e P of the exact one and `du` within 2 m (3 (m + n) + 2) e P (`dv` likewise), to first order in e:
@@ -182,7 +182,7 @@ impl<'a> Net<'a> {
         [low, high].map(|points| BezierPatch { degree: self.degree, points })
     }
 
-    /// The part over `[[u0, u1], [v0, v1]]` as a patch over [0,1]². Parts that meet along a line of constant u or v and
+    /// The part over `[[u0, u1], [v0, v1]]` as a patch over [0, 1]². Parts that meet along a line of constant u or v and
     /// have the same range along it share their border's control points bit for bit.
     pub fn restrict(&self, [[u0, u1], [v0, v1]]: [[f64; 2]; 2]) -> BezierPatch {
         let [m, n] = self.degree;

@@ -49,6 +49,37 @@ impl NurbsSurface {
         Ok(Self { knots: [u, v], points })
     }
 
+    /// A surface that is periodic in the directions where `periodic` says so: there `knots` holds one period,
+    /// `counts[a] + 1` values, and no control point is repeated. Otherwise as [`NurbsSurface::new`].
+    pub fn periodic(
+        what: &str,
+        degree: [usize; 2],
+        counts: [usize; 2],
+        knots: [Vec<f64>; 2],
+        points: &[DVec4],
+        periodic: [bool; 2],
+    ) -> Result<Self, GeometryError> {
+        let expected = counts[0].saturating_mul(counts[1]);
+        if points.len() != expected {
+            return Err(GeometryError::PointCount { what: what.into(), expected, found: points.len() });
+        }
+        let wrapped = [0, 1].map(|axis| counts[axis] + if periodic[axis] { degree[axis] } else { 0 });
+        let mut full = knots;
+        for (axis, direction) in ["u", "v"].into_iter().enumerate() {
+            if periodic[axis] {
+                let what = format!("{what}, {direction} direction");
+                let (expected, found) = (counts[axis] + 1, full[axis].len());
+                if found != expected {
+                    return Err(GeometryError::KnotCount { what, expected, found });
+                }
+                full[axis] = Knots::periodic(&what, degree[axis], &full[axis])?.values().to_vec();
+            }
+        }
+        let at = |i: usize, j: usize| points[i % counts[0] * counts[1] + j % counts[1]];
+        let points = (0..wrapped[0]).flat_map(|i| (0..wrapped[1]).map(move |j| at(i, j))).collect();
+        Self::new(what, degree, wrapped, full, points)
+    }
+
     pub fn degree(&self) -> [usize; 2] {
         [self.knots[0].degree(), self.knots[1].degree()]
     }

@@ -5,6 +5,7 @@ use super::hierarchy::Hierarchy;
 use super::piece::{Certificate, ImageBox, Piece, subdivide};
 use super::ray::{Meeting, Ray, view_net};
 use super::view::{Drawn, ImagePoint, View};
+use crate::geometry::BezierPatch;
 use crate::scene::{Camera, Scene};
 use glam::{DVec2, DVec4};
 use rayon::prelude::*;
@@ -70,8 +71,10 @@ impl<'a> Oracle<'a> {
         let cut: Vec<_> = pairs
             .into_par_iter()
             .map(|(instance, patch)| {
-                let drawn = view.drawn(scene, instance, patch);
-                (drawn, leaves(scene, &view, &drawn))
+                let mut drawn = view.drawn(scene, instance, patch);
+                let net = view_net(scene, &drawn);
+                drawn.noise = view.noise(net.net());
+                (drawn, leaves(&view, net))
             })
             .filter(|(_, leaves)| !leaves.is_empty())
             .collect();
@@ -171,8 +174,7 @@ impl<'a> Oracle<'a> {
 }
 
 /// Cuts one patch until its parts are certified or small, and drops what is outside the image or nearer than near.
-fn leaves(scene: &Scene, view: &View, drawn: &Drawn) -> Vec<(ImageBox, Leaf)> {
-    let net = view_net(scene, drawn);
+fn leaves(view: &View, net: BezierPatch) -> Vec<(ImageBox, Leaf)> {
     let mut leaves = Vec::new();
     if !net.points().iter().all(|q| q.is_finite()) {
         return leaves;
@@ -197,8 +199,10 @@ fn leaves(scene: &Scene, view: &View, drawn: &Drawn) -> Vec<(ImageBox, Leaf)> {
 /// Adds a meeting unless it is one that the patch's neighbouring piece has found already.
 fn add(hits: &mut Vec<(u32, Meeting)>, drawn: u32, new: Meeting) {
     let same = |old: &Meeting| {
+        // About a tangential hit some small pieces are excluded and others not: these belong together.
+        let reach = if old.certified && new.certified { 1.01 } else { 4.0 };
         (0..2).all(|axis| {
-            (old.parameter[axis] - new.parameter[axis]).abs() <= 1.01 * (old.extent[axis] + new.extent[axis])
+            (old.parameter[axis] - new.parameter[axis]).abs() <= reach * (old.extent[axis] + new.extent[axis])
         })
     };
     let Some((_, old)) = hits.iter_mut().find(|(of, old)| *of == drawn && same(old)) else {

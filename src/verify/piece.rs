@@ -119,7 +119,7 @@ impl Piece {
         let mut behind = false;
         for &q in points {
             if view.clearance(q) >= 0.0 {
-                image.add(view.pixel(q), q.z / q.w);
+                image.add(view.pixel(q), view.depth(q));
             } else {
                 behind = true;
             }
@@ -143,11 +143,7 @@ impl Piece {
     /// The direction in which the net is longer in the image.
     fn longer_axis(&self, view: &View) -> usize {
         let [m, n] = self.net.degree();
-        let point = |i: usize, j: usize| {
-            let q = self.net.net().point(i, j);
-            // Behind the eye there are no pixels; any measure ends the recursion there.
-            if view.clearance(q) >= 0.0 { view.pixel(q) } else { q.truncate().truncate() / q.w }
-        };
+        let point = |i: usize, j: usize| view.pixel_no_nearer(self.net.net().point(i, j));
         let length = |a: DVec2, b: DVec2| (a - b).abs().element_sum();
         let (mut along_u, mut along_v) = (0.0_f64, 0.0_f64);
         for j in 0..=n {

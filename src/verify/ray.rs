@@ -60,8 +60,11 @@ impl Ray<'_> {
             if self.excludes(piece) {
                 return false;
             }
-            let Some(image) = piece.image_box(self.view) else { return false };
-            if last || image.size().max_element() < RESOLUTION {
+            let smallest = self.smallest(piece);
+            let Some(image) = piece.image_box(self.view).filter(|b| b.contains(self.pixel, smallest)) else {
+                return false;
+            };
+            if last || image.size().max_element() < smallest {
                 found.push(standing_for(piece, image.depth));
                 return false;
             }
@@ -78,13 +81,24 @@ impl Ray<'_> {
         });
     }
 
+    /// What (F, G) of a view point may be where the ray meets it.
+    fn slack(&self, q: DVec4) -> f64 {
+        RESOLUTION * self.view.divisor(q) + self.drawn.noise
+    }
+
+    /// Pieces below this many pixels are not cut further.
+    fn smallest(&self, piece: &Piece) -> f64 {
+        let divisor = self.view.divisor_no_nearer(piece.net.points()[0]);
+        RESOLUTION + 4.0 * self.drawn.noise / divisor
+    }
+
     /// The hull lies on one side of the ray, by more than the resolution, or nearer than near.
     fn excludes(&self, piece: &Piece) -> bool {
         // Bits: F above, F below, G above, G below, nearer; each must hold for every point.
         let mut all = 0b11111_u32;
         for &q in piece.net.points() {
             let f = self.view.off_ray(q, self.pixel);
-            let slack = RESOLUTION * self.view.divisor(q);
+            let slack = self.slack(q);
             all &= u32::from(f.x > slack)
                 | u32::from(f.x < -slack) << 1
                 | u32::from(f.y > slack) << 2
@@ -104,7 +118,7 @@ impl Ray<'_> {
         let Certificate { inverse, contraction: k } = *certificate;
         let row_sum = inverse.x_axis.abs() + inverse.y_axis.abs();
         // The resolution in units of s; the divisor may vary over the piece, hence 4.
-        let slack = 4.0 * RESOLUTION * row_sum.max_element() * self.view.divisor(center).abs();
+        let slack = 4.0 * row_sum.max_element() * self.slack(center).abs();
         let mut s = -(inverse * self.view.off_ray(center, self.pixel));
         if s.abs().max_element() > 1.0 + k + slack {
             return Solution::Nowhere;
@@ -115,7 +129,7 @@ impl Ray<'_> {
             let parameter = Piece::parameter(domain, s);
             let jet = self.drawn.jet(self.scene, parameter[0], parameter[1]);
             let f = self.view.off_ray(jet.point, self.pixel);
-            let reach = RESOLUTION * self.view.divisor(jet.point);
+            let reach = self.slack(jet.point);
             let close = f.abs().max_element() <= reach;
             let h = inverse * f;
             let uncertainty = k / (1.0 - k) * h.abs().max_element();
@@ -146,7 +160,7 @@ impl Ray<'_> {
         if self.view.clearance(jet.point) < 0.0 {
             return Solution::Nowhere;
         }
-        let depth = jet.point.z / jet.point.w;
+        let depth = self.view.depth(jet.point);
         Solution::At(Meeting { parameter, extent: extent.to_array(), depth, certified: true })
     }
 }

@@ -72,6 +72,17 @@ pub enum Failure {
     DepthFailure,
 }
 
+impl Failure {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Violation => "violation",
+            Self::Crack => "crack",
+            Self::CoveringFailure => "covering failure",
+            Self::DepthFailure => "depth failure",
+        }
+    }
+}
+
 /// Offenders listed of each kind.
 const WORST_OF_A_KIND: usize = 16;
 

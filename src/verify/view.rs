@@ -1,6 +1,6 @@
 //! Patches as one camera sees them: homogeneous pixel coordinates in f64.
 //!
-//! A view point is `(X, Y, Z, W)` with `W` the rational weight (times nothing), `Z / W` the camera depth, and pixels,
+//! A view point is `(X, Y, Z, W)` with `W` the rational weight, `Z / W` the camera depth, and pixels,
 //! relative to the image centre, `X / D` and `Y / D`. The divisor `D` is `Z` in perspective and `W` in orthographic
 //! projection. All four are linear in the homogeneous control points, so Bézier nets stay Bézier nets and their convex
 //! hulls stay valid, in front of the eye and behind it.
@@ -25,6 +25,8 @@ pub(super) struct Drawn {
     pub patch: u32,
     /// The patch's local coordinates to (X, Y, Z).
     to_view: DAffine3,
+    /// What (F, G) of its points may be off by, from rounding.
+    pub noise: f64,
 }
 
 /// A surface point in the image.
@@ -64,7 +66,7 @@ impl View {
             )
         }));
         let to_view = DAffine3 { matrix3: self.rows * transform.matrix3, translation: self.rows * from_eye };
-        Drawn { instance, patch, to_view }
+        Drawn { instance, patch, to_view, noise: 0.0 }
     }
 
     /// D, what pixels are divided by.
@@ -77,9 +79,32 @@ impl View {
         q.z - self.camera.near * q.w
     }
 
+    /// Camera depth of a point that is not nearer than near (by rounding neither).
+    pub fn depth(&self, q: DVec4) -> f64 {
+        (q.z / q.w).max(self.camera.near)
+    }
+
+    /// What rounding can do to (F, G) of points of this view net, for rays in the image: a few dozen operations on
+    /// numbers no larger than these. It matters only for patches that are some 1e9 times larger than a pixel.
+    pub fn noise(&self, net: Net<'_>) -> f64 {
+        let reach = self.camera.center().max_element();
+        let size = |q: &DVec4| q.x.abs().max(q.y.abs()) + reach * self.divisor(*q).abs();
+        64.0 * f64::EPSILON * net.points().iter().map(size).fold(0.0, f64::max)
+    }
+
     /// Pixels relative to the image centre.
     pub fn pixel(&self, q: DVec4) -> DVec2 {
         q.truncate().truncate() / self.divisor(q)
+    }
+
+    /// D of a point moved to the near plane where it is nearer.
+    pub fn divisor_no_nearer(&self, q: DVec4) -> f64 {
+        self.divisor(DVec4 { z: q.z.max(self.camera.near * q.w), ..q })
+    }
+
+    /// The pixel of such a point: a measure of lengths also about the eye.
+    pub fn pixel_no_nearer(&self, q: DVec4) -> DVec2 {
+        q.truncate().truncate() / self.divisor_no_nearer(q)
     }
 
     /// `(F, G)`: zero where the point lies on the ray through pixel `p` (relative to the image centre); linear.

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Relative error allowed: a handful of roundings.
-const EXACT: f64 = 4e-15;
+const EXACT: f64 = 2e-15;
 
 fn frame(random: &mut Random) -> Frame {
     Frame::new(random.vector(), random.vector(), random.vector()).expect("an axis")
@@ -42,13 +42,13 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
     #[test]
-    fn spheres(seed: u64, radius in 0.01..100.0, u0 in -7.0..7.0, sweep in 0.1..6.28, v0 in -1.57..0.0) {
+    fn spheres(seed: u64, radius in 0.01..100.0, u0 in -7.0..7.0, sweep in 0.1..6.2, v0 in -1.5..0.0) {
         let mut random = Random(seed);
         let f = frame(&mut random);
         let pieces = exact::sphere(&f, radius, [[u0, u0 + sweep], [v0, FRAC_PI_2]]);
         sample(&pieces, &mut random, [true, true], |at, [u, v]| {
             let r = at.position - f.origin;
-            assert!((r.length() / radius - 1.0).abs() < EXACT * (1.0 + 2.0 / radius));
+            assert!((r.length() / radius - 1.0).abs() < EXACT * (1.0 + 1.0 / radius));
             near(at.position, f.point(radius * v.cos() * u.cos(), radius * v.cos() * u.sin(), radius * v.sin()), 4.0 + 4.0 * radius);
             assert!(at.du.cross(at.dv).dot(r) > 0.0);
         });
@@ -83,7 +83,7 @@ proptest! {
     }
 
     #[test]
-    fn revolutions_turn_their_profile(seed: u64, degree in 1usize..6, u0 in -4.0..4.0, sweep in 0.01..6.28) {
+    fn revolutions_turn_their_profile(seed: u64, degree in 1usize..6, u0 in -4.0..4.0, sweep in 0.01..6.2) {
         let mut random = Random(seed);
         let f = frame(&mut random);
         let curve = BezierCurve::new("profile", random.points(degree + 1, 3.0)).expect("good");
@@ -109,7 +109,7 @@ proptest! {
     }
 
     #[test]
-    fn arc_parameters_invert(a in -7.0..7.0, sweep in 0.01..1.57, t in 0.0..1.0) {
+    fn arc_parameters_invert(a in -7.0..7.0, sweep in 0.01..1.5, t in 0.0..1.0) {
         let range = [a, a + sweep];
         prop_assert!((arc_parameter(arc_angle(t, range), range) - t).abs() < 1e-12 / sweep);
     }

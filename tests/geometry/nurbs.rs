@@ -160,6 +160,25 @@ fn periodic_curves_are_smooth_across_the_seam() {
 }
 
 #[test]
+fn periodic_surfaces_are_smooth_across_both_seams() {
+    let mut random = Random(5);
+    let knots = [vec![0.0, 1.0, 1.5, 3.0, 4.0], vec![2.0, 3.0, 5.0, 6.0]];
+    let points = random.points(12, 2.0);
+    let ring = NurbsSurface::periodic("ring", [3, 2], [4, 3], knots.clone(), &points, [true, true]).expect("good");
+    assert_eq!(ring.domain(), [[0.0, 4.0], [2.0, 6.0]]);
+    for t in [0.3, 1.5, 3.7] {
+        for [a, b] in [[[0.0, 2.0 + t], [4.0, 2.0 + t]], [[t, 2.0], [t, 6.0]]] {
+            let [a, b] = [a, b].map(|[u, v]| ring.jet(u, v));
+            assert!((a.point - b.point).length() < 1e-14, "{a:?} {b:?}");
+            assert!((a.du - b.du).length() + (a.dv - b.dv).length() < 1e-13, "{a:?} {b:?}");
+        }
+    }
+    let short =
+        NurbsSurface::periodic("ring", [3, 2], [4, 3], [knots[1].clone(), knots[0].clone()], &points, [true; 2]);
+    assert!(short.is_err());
+}
+
+#[test]
 fn a_jump_at_a_knot_of_multiplicity_above_the_degree_stays() {
     let points = [0.0, 1.0, 5.0, 6.0].map(|x| DVec3::new(x, 0.0, 0.0).extend(1.0)).to_vec();
     let curve = NurbsCurve::new("two lines", 1, vec![0.0, 0.0, 1.0, 1.0, 2.0, 2.0], points).expect("good");

@@ -21,12 +21,12 @@ pub fn names() -> Vec<String> {
     SMALL.iter().chain(&LONE).map(|name| name.to_string()).chain(degrees).collect()
 }
 
-/// All small cases and the degrees, eight to a row, in one scene.
+/// All small cases and the degrees, six to a row, in one scene.
 pub fn table() -> Model {
     let is_small = |name: &String| !LONE.contains(&name.as_str());
     let parts: Vec<Part> = names().iter().filter(|name| is_small(name)).filter_map(|name| part_of(name)).collect();
     let instance = |(k, part): (usize, &Part)| {
-        let transform = DAffine3::from_translation(DVec3::new(1.5 * (k % 8) as f64, 1.5 * (k / 8) as f64, 0.0));
+        let transform = DAffine3::from_translation(DVec3::new(1.5 * (k % 6) as f64, 1.5 * (k / 6) as f64, 0.0));
         Instance { part: k, transform, name: part.name.clone(), color: None }
     };
     let instances = parts.iter().enumerate().map(instance).collect();
