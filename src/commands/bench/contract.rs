@@ -88,8 +88,9 @@ fn findings(rows: Vec<Row>) -> Findings {
     let broken: Vec<Row> = rows.iter().filter(|r| r.errors().is_some_and(|e| e.broken() > 0)).cloned().collect();
     Findings {
         title: "The accuracy contract",
-        about: "Sums over all shots of a model; errors are the largest of all shots, in pixels. Covering and depth \
-                failures also per 100,000 checked pixels. What a bound refuses is not counted as kept."
+        about: "Sums over all shots of a model; errors are the largest of all shots, in pixels. Rates are over the checked \
+                pixels: half of them are drawn near borders and all filled ones are among them, where failures are, so \
+                the rate over a picture is lower. What a bound refuses is not counted as kept."
             .into(),
         tables: vec![
             ("By model and bound".into(), summary(&rows)),
