@@ -129,14 +129,19 @@ impl ViewSpec {
         let center = bounds.center();
         let target = self.target.unwrap_or(center);
         let eye = self.eye.unwrap_or_else(|| target + self.view.direction().normalize() * distance);
+        let eye_distance = (center - eye).length();
+        if !eye_distance.is_finite() {
+            let value = format!("{:e} away from the model", (center - eye).abs().max_element());
+            return Err(CameraError::BadValue { what: "eye", value, must: "nearer" });
+        }
         let forward = (target - eye).try_normalize().ok_or(CameraError::EyeIsTarget)?;
         let up = self.up.unwrap_or(if self.eye.is_some() { DVec3::Z } else { self.view.up() });
         let right = forward.cross(up.normalize_or_zero());
         // Looking along the up vector: any other will do.
         let right = if right.length() > 1e-9 { right } else { forward.cross(forward.any_orthogonal_vector()) };
         let right = right.normalize();
-        let eye_distance = (center - eye).length();
-        let near = (0.99 * (eye_distance - radius)).max(1e-4 * radius);
+        // Depth, not distance: a model at the side of a wide image is nearer in depth than it is far.
+        let near = (0.99 * (forward.dot(center - eye) - radius)).max(1e-4 * radius);
         let projection = if self.orthographic {
             Projection::Orthographic { scale: w.min(h) / 2.0 / (1.05 * radius) * self.zoom }
         } else {

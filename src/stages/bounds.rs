@@ -37,7 +37,7 @@ impl Constraints {
     /// Two ends of two axes with two signs, and two signs of depth.
     const CAPACITY: usize = 10;
 
-    fn new() -> Self {
+    pub fn new() -> Self {
         Self { list: [[[0.0; 3]; Self::CAPACITY]; 2], count: [0; 2] }
     }
 
@@ -45,7 +45,7 @@ impl Constraints {
         &self.list[diagonal][..self.count[diagonal]]
     }
 
-    fn push(&mut self, diagonal: usize, constraint: [f64; 3]) {
+    pub fn push(&mut self, diagonal: usize, constraint: [f64; 3]) {
         if constraint.iter().any(|&c| c > 0.0) {
             self.list[diagonal][self.count[diagonal]] = constraint;
             self.count[diagonal] += 1;

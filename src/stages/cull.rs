@@ -15,8 +15,8 @@ const DEPTH_RATIO: f64 = 3.0;
 pub(super) const ROUNDING_BUDGET: f64 = 1.0 / 256.0;
 /// Strokes reach a quarter of a pixel past a patch; a whole one is kept.
 const MARGIN: f64 = 1.0;
-/// Halvings of a patch: 2^-60 of its parameter range is below what f64 can tell apart.
-const MAX_DEPTH: u32 = 60;
+/// Halvings of a patch, of both directions together: 2^-50 of either range is all that f64 can tell apart.
+const MAX_DEPTH: u32 = 100;
 /// Leaves one patch may be split into.
 const MAX_LEAVES: usize = 1 << 20;
 
@@ -96,6 +96,8 @@ struct Piece {
 enum Verdict {
     Culled,
     Split,
+    /// No piece that f64 can tell from its neighbour is small enough.
+    TooClose,
     Keep(Box<Leaf>),
 }
 
@@ -104,12 +106,15 @@ pub(super) struct Culler<'a> {
     pub scene: &'a Scene,
     pub lens: &'a Lens,
     pub options: &'a Options,
+    /// The near plane cuts nothing open: solids can only be seen from outside.
+    whole: bool,
     scratch: Vec<DVec4>,
 }
 
 impl<'a> Culler<'a> {
     pub fn new(scene: &'a Scene, lens: &'a Lens, options: &'a Options) -> Self {
-        Self { scene, lens, options, scratch: Vec::new() }
+        let whole = lens.shows_whole(scene.bounds.center(), scene.bounds.radius());
+        Self { scene, lens, options, whole, scratch: Vec::new() }
     }
 
     /// Appends what can be seen of a patch.
@@ -153,9 +158,13 @@ impl<'a> Culler<'a> {
             let net = piece.net.as_ref().map_or(self.scene.net(patch), BezierPatch::net);
             match self.judge(net, map, &piece) {
                 Verdict::Culled => {}
+                Verdict::TooClose => {
+                    return Err(RenderError::TooClose { face: self.face_of(index), patch: index });
+                }
                 Verdict::Keep(mut leaf) => {
                     if out.leaves.len() >= limit {
-                        return Err(self.too_many(index));
+                        let face = self.face_of(index);
+                        return Err(RenderError::TooManyLeaves { face, patch: index, limit: MAX_LEAVES });
                     }
                     leaf.instance = instance;
                     leaf.patch = index;
@@ -180,9 +189,9 @@ impl<'a> Culler<'a> {
         Ok(())
     }
 
-    fn too_many(&self, index: u32) -> RenderError {
-        let face = self.scene.patches[index as usize].face;
-        RenderError::TooManyLeaves { face: self.scene.faces[face as usize].id, patch: index, limit: MAX_LEAVES }
+    /// The file's number of a patch's face.
+    fn face_of(&self, patch: u32) -> u32 {
+        self.scene.faces[self.scene.patches[patch as usize].face as usize].id
     }
 
     /// Projects the net into `scratch` and decides; on `Keep` the net stays in `scratch`.
@@ -195,24 +204,25 @@ impl<'a> Culler<'a> {
         if z_max.is_nan() || z_max < lens.near || self.outside() {
             return Verdict::Culled;
         }
+        let split = if piece.depth < MAX_DEPTH { Verdict::Split } else { Verdict::TooClose };
         if z_min < lens.near {
-            return if self.smaller_than_half_pixel() || piece.depth >= MAX_DEPTH {
-                Verdict::Culled
-            } else {
-                Verdict::Split
-            };
+            return if self.smaller_than_half_pixel() { Verdict::Culled } else { split };
         }
-        let may_split = piece.depth < MAX_DEPTH;
-        if lens.perspective && z_max > DEPTH_RATIO * z_min && may_split {
-            return Verdict::Split;
+        if lens.perspective && z_max > DEPTH_RATIO * z_min {
+            return split;
         }
         let (x_min, x_max) = range(self.scratch.iter().map(|p| p.x / lens.denominator(*p)));
         let (y_min, y_max) = range(self.scratch.iter().map(|p| p.y / lens.denominator(*p)));
         let center = [(x_min + x_max) * 0.5, (y_min + y_max) * 0.5].map(f64::round);
         let reach = (x_max - center[0]).max(center[0] - x_min).max((y_max - center[1]).max(center[1] - y_min));
         let rounding = rounding_bound(net.degree(), reach);
+<<<<<<< HEAD
         if rounding.is_nan() || rounding > ROUNDING_BUDGET {
             return if may_split { Verdict::Split } else { Verdict::Culled };
+=======
+        if !(rounding <= ROUNDING_BUDGET) {
+            return split;
+>>>>>>> tests
         }
         Verdict::Keep(Box::new(Leaf {
             instance: 0,
@@ -273,6 +283,7 @@ impl<'a> Culler<'a> {
         usize::from(v > u)
     }
 
+<<<<<<< HEAD
     /// On a solid's patch: the sign of the screen area, in parameter order, of what faces away. x is right, y down and
     /// z away from the eye: normals that point away have a positive one. A mirroring instance turns the outside in.
     fn hidden_sign(&self, patch: &Patch, map: &PatchMap) -> i8 {
@@ -287,12 +298,26 @@ impl<'a> Culler<'a> {
 
     /// All of a solid's patch faces away from the eye.
     fn is_back_patch(&self, patch: &Patch, map: &PatchMap) -> bool {
+=======
+    /// All of a solid's patch faces away from an eye that is outside.
+    fn is_back_patch(&self, patch: &Patch, map: &PatchMap) -> bool {
+        let solid = self.scene.faces[patch.face as usize].solid;
+        let wanted = match self.options.cull {
+            Cull::Off => false,
+            Cull::Auto => solid && self.whole,
+            Cull::On => true,
+        };
+>>>>>>> tests
         let cone = &patch.cone;
         let hidden = self.hidden_sign(patch, map);
         if hidden == 0 || cone.cos_angle <= 0.0 {
             return false;
         }
+<<<<<<< HEAD
         let axis = cone.axis * f64::from(hidden);
+=======
+        // Seen from its own coordinates a solid looks the same however its instance stretches or mirrors it.
+>>>>>>> tests
         let cone_angle = cone.cos_angle.clamp(-1.0, 1.0).acos();
         let (towards, spread) = if self.lens.perspective {
             match direction_cone(self.scene.net(patch), map) {
@@ -300,9 +325,16 @@ impl<'a> Culler<'a> {
                 None => return false,
             }
         } else {
+<<<<<<< HEAD
             (map.axes[2].normalize(), 0.0)
+=======
+            // The direction that leaves a pixel where it is; the forward axis itself only where nothing is stretched.
+            let [x, y, z] = map.axes;
+            let along = x.cross(y);
+            ((along * along.dot(z).signum()).normalize(), 0.0)
+>>>>>>> tests
         };
-        axis.dot(towards).clamp(-1.0, 1.0).acos() + cone_angle + spread < std::f64::consts::FRAC_PI_2 - 1e-9
+        cone.axis.dot(towards).clamp(-1.0, 1.0).acos() + cone_angle + spread < std::f64::consts::FRAC_PI_2 - 1e-9
     }
 
     /// Writes the f32 net of a leaf: centred in f64, then rounded.

@@ -4,6 +4,7 @@ use super::bounds::{Constraints, Subject, constraints};
 use super::cull::{Culler, Leaf, Leaves};
 use super::{Grid, RenderError};
 use glam::Vec4;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Half a sub-pixel step: what snapping a vertex to 1/256 pixel may move it.
 const SNAPPING: f64 = 1.0 / 512.0;
@@ -13,6 +14,8 @@ pub(super) const MESHLET: u32 = 7;
 const MAX_SIDE: u32 = 1 << 12;
 /// Quads a leaf may have in all; it is split beyond, so that what is off screen is culled.
 const MAX_QUADS: u64 = 1 << 14;
+/// Vertices of all grids together, 16 bytes each: 4 GiB.
+const MAX_VERTICES: u64 = 1 << 28;
 /// Splitting can't mend a grid once a leaf is this small a part of its patch.
 const MAX_DEPTH: u32 = 40;
 
@@ -29,13 +32,23 @@ impl Tessellation {
     pub fn meshlets(&self) -> u64 {
         self.quads.iter().map(|&n| u64::from(n.div_ceil(MESHLET))).product()
     }
+
+    /// Vertices of these meshlets; neighbours repeat their common ones.
+    fn vertices(&self) -> u64 {
+        self.quads.iter().map(|&n| u64::from(n + n.div_ceil(MESHLET))).product()
+    }
 }
 
-/// Gives every leaf its grid; leaves whose grid would be too large are split and culled again.
-pub(super) fn estimate(culler: &mut Culler, leaves: Leaves) -> Result<(Leaves, Vec<Tessellation>), RenderError> {
+/// Gives every leaf its grid; leaves whose grid would be too large are split and culled again. `vertices` counts those of
+/// all tasks.
+pub(super) fn estimate(
+    culler: &mut Culler,
+    leaves: Leaves,
+    vertices: &AtomicU64,
+) -> Result<(Leaves, Vec<Tessellation>), RenderError> {
     let mut done = Leaves { patches_visible: leaves.patches_visible, ..Leaves::default() };
     let mut grids = Vec::with_capacity(leaves.leaves.len());
-    settle(culler, leaves, &mut done, &mut grids)?;
+    settle(culler, leaves, vertices, &mut done, &mut grids)?;
     Ok((done, grids))
 }
 
@@ -43,6 +56,7 @@ pub(super) fn estimate(culler: &mut Culler, leaves: Leaves) -> Result<(Leaves, V
 fn settle(
     culler: &mut Culler,
     from: Leaves,
+    vertices: &AtomicU64,
     done: &mut Leaves,
     grids: &mut Vec<Tessellation>,
 ) -> Result<(), RenderError> {
@@ -50,6 +64,10 @@ fn settle(
         let net = &from.nets[leaf.net as usize..leaf.net as usize + leaf.points()];
         match grid_of(culler, &leaf, net)? {
             Ok(grid) => {
+                // Before anything is kept: a tolerance that asks for too much must not fill the memory first.
+                if vertices.fetch_add(grid.vertices(), Ordering::Relaxed) + grid.vertices() > MAX_VERTICES {
+                    return Err(RenderError::TooManyVertices { limit: MAX_VERTICES });
+                }
                 leaf.net = done.nets.len() as u32;
                 done.nets.extend_from_slice(net);
                 done.leaves.push(leaf);
@@ -58,7 +76,7 @@ fn settle(
             Err(axis) => {
                 let mut halves = Leaves::default();
                 culler.split_leaf(&leaf, axis, &mut halves)?;
-                settle(culler, halves, done, grids)?;
+                settle(culler, halves, vertices, done, grids)?;
             }
         }
     }

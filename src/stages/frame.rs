@@ -16,6 +16,7 @@ use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
 use super::{Bound, Options};
 use crate::scene::{Camera, Scene};
 use rayon::prelude::*;
+use std::sync::atomic::AtomicU64;
 use thiserror::Error;
 
 /// Patches one task culls and estimates.
@@ -43,10 +44,20 @@ pub struct Pixel {
 pub enum RenderError {
     #[error("face {face}, patch {patch} would be split into more than {limit} pieces at this view")]
     TooManyLeaves { face: u32, patch: u32, limit: usize },
+    #[error(
+        "face {face}, patch {patch} is looked at from so near that f64 can't tell its points apart: \
+         give a smaller --zoom"
+    )]
+    TooClose { face: u32, patch: u32 },
     #[error("face {face}, patch {patch} needs a grid of more than {limit} quads however it is split")]
     GridTooLarge { face: u32, patch: u32, limit: u64 },
     #[error("this view needs {needed} meshlets; a frame holds {limit}")]
     TooManyMeshlets { needed: u64, limit: u64 },
+    #[error(
+        "this view needs more than {limit} grid vertices: give a larger --tolerance or --depth-tolerance, or a smaller \
+         --zoom or --size"
+    )]
+    TooManyVertices { limit: u64 },
     #[error("a tolerance of {tolerance} px is below what snapping and rounding take ({floor:.4} px)")]
     ToleranceTooSmall { tolerance: f64, floor: f64 },
     #[error("the slefe bound covers polynomial patches up to degree 7; face {face} is {what}")]
@@ -193,8 +204,9 @@ impl<'a> Renderer<'a> {
     }
 
     fn estimate(&self, lens: &Lens, options: &Options, culled: Vec<Leaves>) -> Result<Geometry, RenderError> {
+        let vertices = AtomicU64::new(0);
         let estimated: Vec<(Leaves, Vec<Tessellation>)> = (culled.into_par_iter())
-            .map(|leaves| estimate(&mut Culler::new(self.scene, lens, options), leaves))
+            .map(|leaves| estimate(&mut Culler::new(self.scene, lens, options), leaves, &vertices))
             .collect::<Result<_, _>>()?;
         let mut all = Geometry::default();
         for (leaves, grids) in estimated {

@@ -63,6 +63,15 @@ impl Lens {
         self.axes.map(|axis| linear.transpose() * axis)
     }
 
+    /// The near plane takes nothing that the image would show of a ball: all of it is deeper, or so far away that what
+    /// is nearer lies outside the image.
+    pub fn shows_whole(&self, center: DVec3, radius: f64) -> bool {
+        let towards = center - self.eye;
+        let corner = DVec3::new(self.half(0) / self.scale, self.half(1) / self.scale, 1.0).length();
+        let beyond_corner = self.perspective && towards.length() - radius >= self.near * corner;
+        self.axes[2].dot(towards) - radius >= self.near || beyond_corner
+    }
+
     /// Half the image in pixels: the image is [-half, half] about its centre.
     pub fn half(&self, axis: usize) -> f64 {
         f64::from(self.size[axis]) * 0.5

@@ -20,6 +20,9 @@ mod stats;
 mod stroke;
 mod topology;
 
+#[cfg(test)]
+mod tests;
+
 pub use frame::{Frame, Pixel, RenderError, Renderer};
 pub use options::{Bound, Cull, Fill, Grid, Interpolation, Options, Show};
 pub use stats::{StageTime, Stats};
