@@ -216,13 +216,8 @@ impl<'a> Culler<'a> {
         let center = [(x_min + x_max) * 0.5, (y_min + y_max) * 0.5].map(f64::round);
         let reach = (x_max - center[0]).max(center[0] - x_min).max((y_max - center[1]).max(center[1] - y_min));
         let rounding = rounding_bound(net.degree(), reach);
-<<<<<<< HEAD
         if rounding.is_nan() || rounding > ROUNDING_BUDGET {
-            return if may_split { Verdict::Split } else { Verdict::Culled };
-=======
-        if !(rounding <= ROUNDING_BUDGET) {
             return split;
->>>>>>> tests
         }
         Verdict::Keep(Box::new(Leaf {
             instance: 0,
@@ -283,41 +278,34 @@ impl<'a> Culler<'a> {
         usize::from(v > u)
     }
 
-<<<<<<< HEAD
-    /// On a solid's patch: the sign of the screen area, in parameter order, of what faces away. x is right, y down and
-    /// z away from the eye: normals that point away have a positive one. A mirroring instance turns the outside in.
-    fn hidden_sign(&self, patch: &Patch, map: &PatchMap) -> i8 {
-        let away = match (self.options.cull, self.scene.faces[patch.face as usize].sides) {
-            (Cull::Off, _) | (Cull::Auto, Sides::Both) => return 0,
-            (Cull::Auto | Cull::On, Sides::Inside) => -1,
-            (Cull::Auto, Sides::Outside) | (Cull::On, _) => 1,
-        };
-        let [x, y, z] = map.axes;
-        if x.cross(y).dot(z) < 0.0 { -away } else { away }
+    /// Which way a face's visible side lies: 1 along `S_u x S_v`, -1 against it, 0: both sides can be seen.
+    fn visible_side(&self, patch: &Patch) -> i8 {
+        let sides = self.scene.faces[patch.face as usize].sides;
+        match (self.options.cull, sides) {
+            (Cull::Off, _) | (Cull::Auto, Sides::Both) => 0,
+            (Cull::Auto, _) if !self.whole => 0,
+            (_, Sides::Inside) => -1,
+            _ => 1,
+        }
     }
 
-    /// All of a solid's patch faces away from the eye.
-    fn is_back_patch(&self, patch: &Patch, map: &PatchMap) -> bool {
-=======
+    /// The sign of the screen area, in parameter order, of what faces away. x is right, y down and z away from the eye:
+    /// normals that point away have a positive one. A mirroring instance turns it round.
+    fn hidden_sign(&self, patch: &Patch, map: &PatchMap) -> i8 {
+        let [x, y, z] = map.axes;
+        let side = self.visible_side(patch);
+        if x.cross(y).dot(z) < 0.0 { -side } else { side }
+    }
+
     /// All of a solid's patch faces away from an eye that is outside.
     fn is_back_patch(&self, patch: &Patch, map: &PatchMap) -> bool {
-        let solid = self.scene.faces[patch.face as usize].solid;
-        let wanted = match self.options.cull {
-            Cull::Off => false,
-            Cull::Auto => solid && self.whole,
-            Cull::On => true,
-        };
->>>>>>> tests
         let cone = &patch.cone;
-        let hidden = self.hidden_sign(patch, map);
-        if hidden == 0 || cone.cos_angle <= 0.0 {
+        let side = self.visible_side(patch);
+        if side == 0 || cone.cos_angle <= 0.0 {
             return false;
         }
-<<<<<<< HEAD
-        let axis = cone.axis * f64::from(hidden);
-=======
         // Seen from its own coordinates a solid looks the same however its instance stretches or mirrors it.
->>>>>>> tests
+        let axis = cone.axis * f64::from(side);
         let cone_angle = cone.cos_angle.clamp(-1.0, 1.0).acos();
         let (towards, spread) = if self.lens.perspective {
             match direction_cone(self.scene.net(patch), map) {
@@ -325,16 +313,12 @@ impl<'a> Culler<'a> {
                 None => return false,
             }
         } else {
-<<<<<<< HEAD
-            (map.axes[2].normalize(), 0.0)
-=======
             // The direction that leaves a pixel where it is; the forward axis itself only where nothing is stretched.
             let [x, y, z] = map.axes;
             let along = x.cross(y);
             ((along * along.dot(z).signum()).normalize(), 0.0)
->>>>>>> tests
         };
-        cone.axis.dot(towards).clamp(-1.0, 1.0).acos() + cone_angle + spread < std::f64::consts::FRAC_PI_2 - 1e-9
+        axis.dot(towards).clamp(-1.0, 1.0).acos() + cone_angle + spread < std::f64::consts::FRAC_PI_2 - 1e-9
     }
 
     /// Writes the f32 net of a leaf: centred in f64, then rounded.

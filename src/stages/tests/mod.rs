@@ -53,6 +53,7 @@ fn single([a, b, c]: [Vertex; 3], height: u32) -> Meshlets {
         vertices: 0,
         first: [0, 0],
         quads: [1, 1],
+        hidden: 0,
         diagonal: 0,
         outer: 0b0100,
         rows: [0, height as u16],
