@@ -65,7 +65,7 @@ fn nearest_hit(shader: &Shader, strips: &Strips, f: &Filled) -> Option<Hit> {
     // N's own surface lies within the depth tolerance of its depth: only what is clearly nearer counts.
     let behind = shader.nearer_by_tolerance(depth_of(f.near));
     let leaves = strips.leaves(shader, f.pixel, behind);
-    let hits = leaves.filter_map(|leaf| search(shader, leaf, f.pixel, behind));
+    let hits = leaves.filter_map(|leaf| search(shader, leaf, f, behind));
     // Equal depths go to the larger word, as everywhere.
     hits.max_by(|a, b| a.depth.total_cmp(&b.depth).then(a.triangle.cmp(&b.triangle)))
 }
@@ -74,14 +74,15 @@ fn nearest_hit(shader: &Shader, strips: &Strips, f: &Filled) -> Option<Hit> {
 ///
 /// The grid is within half a pixel of the surface, parameter by parameter: whatever lies under the centre has its
 /// triangle that near, and refinement from that triangle finds it.
-fn search(shader: &Shader, number: u32, pixel: u32, behind: f32) -> Option<Hit> {
+fn search(shader: &Shader, number: u32, f: &Filled, behind: f32) -> Option<Hit> {
+    let pixel = f.pixel;
     let mut surface = shader.surface(number);
     surface.any_sheet = true;
     let quads = shader.grids[number as usize].quads;
     let [x, y] = shader.target(&shader.leaves[number as usize], pixel);
     let width = shader.lens.size[0];
     // From the nearest point and from the corners: a triangle seen edge-on may hide a fold.
-    let starts: Vec<([f32; 2], u64)> = triangles_near(shader, number, pixel)
+    let starts: Vec<([f32; 2], u64)> = triangles_near(shader, number, pixel, depth_of(f.near))
         .into_iter()
         .flat_map(|word| {
             let nearest = interpolate(shader.meshlets, quads, word, pixel % width, pixel / width);
@@ -95,7 +96,7 @@ fn search(shader: &Shader, number: u32, pixel: u32, behind: f32) -> Option<Hit> 
         for k in 0..LANES {
             [batch.s[k], batch.t[k]] = starts[k.min(starts.len() - 1)].0;
         }
-        shader.refine(&surface, shader.options.refine, &mut batch);
+        shader.refine(&surface, 1, &mut batch);
         for (k, &(_, triangle)) in starts.iter().enumerate().filter(|&(k, _)| batch.residual[k] <= EXACT) {
             let depth = shader.stored_depth(surface.depth_origin + batch.z[k]);
             if depth > behind && best.as_ref().is_none_or(|b| (depth, triangle) > (b.depth, b.triangle)) {
@@ -107,7 +108,10 @@ fn search(shader: &Shader, number: u32, pixel: u32, behind: f32) -> Option<Hit> 
 }
 
 /// The leaf's triangles that come within half a pixel of a pixel's centre, as words without depth.
-fn triangles_near(shader: &Shader, leaf: u32, pixel: u32) -> Vec<u64> {
+///
+/// The surface is within the depth tolerance of its triangle: triangles that are wholly behind what N shows have nothing
+/// clearly nearer.
+fn triangles_near(shader: &Shader, leaf: u32, pixel: u32, shown: f32) -> Vec<u64> {
     let width = shader.lens.size[0];
     let center = [pixel % width, pixel / width].map(|c| (2 * i64::from(c) + 1) * HALF);
     let meshlets = &shader.meshlets.meshlets;
@@ -119,7 +123,7 @@ fn triangles_near(shader: &Shader, leaf: u32, pixel: u32) -> Vec<u64> {
         {
             for (k, corners) in triangles(a, b, meshlet.diagonal).into_iter().enumerate() {
                 let v = corners.map(|[i, j]| shader.meshlets.vertices[meshlet.vertex(i, j)]);
-                if touches(&v, center) {
+                if v.iter().any(|v| v.depth > shown) && touches(&v, center) {
                     found.push(word(0.0, number as u32, triangle_index(meshlet, a, b) + k as u32));
                 }
             }

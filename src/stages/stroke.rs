@@ -69,7 +69,7 @@ pub(super) fn stroke(corners: &[Vertex; 3], pen: &Pen, id: u64, band: &mut Band)
     let area = dx * (i64::from(c.y) - ay) - dy * (i64::from(c.x) - ax);
     let reach = r * (dx.abs() + dy.abs());
     let length2 = dx * dx + dy * dy;
-    let push = push(corners, area, pen);
+    let push = if pen.fold > 0 { 0.0 } else { push(corners, area, pen) };
     for y in y0..=y1 {
         for x in x0..=x1 {
             let (px, py) = (x * SUBPIXELS as i64 + HALF - ax, y * SUBPIXELS as i64 + HALF - ay);
