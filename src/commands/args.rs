@@ -3,15 +3,13 @@
 use super::{UsageError, output};
 use crate::import::{self, ImportError};
 use crate::model::Model;
-use crate::scene::{Camera, Scene, View, ViewSpec, prepare};
+use crate::scene::{Camera, MAX_SIDE, Scene, View, ViewSpec, prepare};
 use crate::stages::{Bound, Cull, Fill, Grid, Options, Show};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use glam::{DAffine3, DMat3, DVec3};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Largest image side, as for cameras.
-const MAX_SIDE: u32 = 16384;
 /// More pixels than this need a renderer that works in tiles.
 const MAX_PIXELS: u64 = 1 << 27;
 
@@ -28,7 +26,8 @@ pub struct ModelArgs {
     #[arg(long)]
     pub strict: bool,
     /// Threads to use [default: one a core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024),
+          allow_hyphen_values = true)]
     pub threads: Option<u16>,
 }
 
@@ -38,7 +37,7 @@ pub struct FrameArgs {
     #[command(flatten)]
     pub model: ModelArgs,
     /// Image size in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size, allow_hyphen_values = true)]
     pub size: [u32; 2],
     /// Where to look from
     #[arg(long, value_enum, default_value_t)]
@@ -72,7 +71,7 @@ pub struct FrameArgs {
     pub fill: Fill,
     /// Newton steps a pixel towards the exact surface point
     #[arg(long, value_name = "N", default_value_t = Options::default().refine,
-          value_parser = clap::value_parser!(u32).range(0..=16))]
+          value_parser = clap::value_parser!(u32).range(0..=16), allow_hyphen_values = true)]
     pub refine: u32,
     /// Back-patch culling
     #[arg(long, value_enum, default_value_t)]
@@ -243,6 +242,10 @@ fn parse_number(text: &str) -> Result<f64, String> {
 fn parse_point(text: &str) -> Result<DVec3, String> {
     let numbers = text.split(',').map(parse_number).collect::<Result<Vec<_>, _>>()?;
     let point: [f64; 3] = numbers.try_into().map_err(|_| "expected three numbers X,Y,Z")?;
+    // Squares stay in range.
+    if point.iter().any(|x| x.abs() > 1e100) {
+        return Err("coordinates must be at most 1e100".into());
+    }
     Ok(point.into())
 }
 

@@ -57,13 +57,11 @@ pub fn run(args: Args) -> Result<ExitCode> {
 
 fn measure(subject: &mut Subject<'_>, sweep: &Sweep) -> Result<Vec<Row>> {
     let bar = progress_bar("measuring");
-    bar.set_length(sweep.len() as u64);
+    bar.set_length(sweep.shots.len() as u64);
     let mut rows = Vec::new();
     for shot in &sweep.shots {
-        for options in &sweep.options {
-            rows.push(subject.row(shot, options)?);
-            bar.inc(1);
-        }
+        rows.extend(subject.rows(shot, &sweep.options)?);
+        bar.inc(1);
     }
     bar.finish_and_clear();
     Ok(rows)

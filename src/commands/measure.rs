@@ -1,9 +1,12 @@
 //! One measured run: frames against the clock, then one of them before the oracle.
 
+use super::used::Used;
 use crate::report::{Counts, Errors, Machine, Measured, Outcome, Row, Setting, Shot, Spread, name, stage_spreads};
-use crate::scene::{Scene, ViewSpec};
+use crate::scene::{Camera, Scene, ViewSpec};
 use crate::stages::{Frame, Options, RenderError, Renderer, Stats};
+use crate::verify::{Sampling, verify};
 use anyhow::Result;
+use std::path::Path;
 use std::time::Instant;
 
 /// How thoroughly to measure.
@@ -23,15 +26,17 @@ pub struct Effort {
 /// A prepared model to be measured.
 #[derive(Debug)]
 pub struct Subject<'a> {
-    pub model: &'a str,
-    pub scene: &'a Scene,
-    pub effort: Effort,
+    /// As rows call it: a file by its name alone, wherever it lies.
+    pub model: String,
+    scene: &'a Scene,
+    effort: Effort,
     machine: Machine,
     /// Keeps its buffers from run to run.
     renderer: Renderer<'a>,
 }
 
 /// Frames of one run: what each counted and took, and the last one itself.
+#[derive(Debug)]
 pub struct Timed {
     pub stats: Vec<Stats>,
     /// Wall clock of each whole frame in milliseconds.
@@ -40,53 +45,103 @@ pub struct Timed {
 }
 
 impl<'a> Subject<'a> {
-    pub fn new(model: &'a str, scene: &'a Scene, effort: Effort) -> Self {
+    pub fn new(model: &str, scene: &'a Scene, effort: Effort) -> Self {
+        let name = Path::new(model).file_name().map_or(model.into(), |name| name.to_string_lossy());
         let machine = Machine::here(rayon::current_num_threads());
-        Self { model, scene, effort, machine, renderer: Renderer::new(scene) }
+        Self { model: name.into_owned(), scene, effort, machine, renderer: Renderer::new(scene) }
     }
 
     /// Measures one configuration. A frame that is declined is a row with the reason, not a failure.
     pub fn row(&mut self, view: &ViewSpec, options: &Options) -> Result<Row> {
-        let outcome = match self.time(view, options)? {
-            Ok(timed) => {
-                let errors = if self.effort.samples > 0 { judge(self.scene, &timed.frame, self.effort)? } else { None };
-                Outcome::Measured(Box::new(timed.measured(errors)))
-            }
-            Err(refused) => Outcome::Refused(refused.to_string()),
-        };
-        Ok(self.labelled(view, options, outcome))
+        Ok(self.rows(view, std::slice::from_ref(options))?.remove(0))
     }
 
-    /// The row of a finished run.
-    pub fn labelled(&self, view: &ViewSpec, options: &Options, outcome: Outcome) -> Row {
-        Row {
-            model: self.model.into(),
-            shot: shot(view),
-            setting: Setting::from(options),
-            outcome,
-            machine: self.machine.clone(),
+    /// Measures several configurations by turns, a frame each, so that what else the machine does meets all alike.
+    pub fn rows(&mut self, view: &ViewSpec, options: &[Options]) -> Result<Vec<Row>> {
+        let camera = view.camera(&self.scene.bounds)?;
+        let mut runs: Vec<Run> = options.iter().map(|_| Run::default()).collect();
+        for turn in 0..=self.effort.frames {
+            for (run, options) in runs.iter_mut().zip(options) {
+                run.draw(&mut self.renderer, &camera, options, turn == 0);
+            }
         }
+        let mut rows = Vec::new();
+        for (run, options) in runs.into_iter().zip(options) {
+            let outcome = match self.finish(run, &camera, options) {
+                Ok(timed) => {
+                    let errors = judge(self.scene, &timed.frame, self.effort);
+                    let measured = timed.measured(errors);
+                    self.renderer.recycle(timed.frame);
+                    Outcome::Measured(Box::new(measured))
+                }
+                Err(refused) => Outcome::Refused(refused.to_string()),
+            };
+            rows.push(self.labelled(view, options, outcome));
+        }
+        Ok(rows)
     }
 
     /// Draws a frame to warm up, then the timed ones.
     pub fn time(&mut self, view: &ViewSpec, options: &Options) -> Result<Result<Timed, RenderError>> {
         let camera = view.camera(&self.scene.bounds)?;
-        if let Err(refused) = self.renderer.render(&camera, options) {
-            return Ok(Err(refused));
+        let mut run = Run::default();
+        for turn in 0..=self.effort.frames {
+            run.draw(&mut self.renderer, &camera, options, turn == 0);
         }
-        let (mut stats, mut total) = (Vec::new(), Vec::new());
-        loop {
-            let start = Instant::now();
-            let frame = match self.renderer.render(&camera, options) {
-                Ok(frame) => frame,
-                Err(refused) => return Ok(Err(refused)),
-            };
-            total.push(start.elapsed().as_secs_f64() * 1e3);
-            stats.push(frame.stats.clone());
-            if total.len() >= self.effort.frames as usize {
-                return Ok(Ok(Timed { stats, total, frame }));
+        Ok(self.finish(run, &camera, options))
+    }
+
+    /// The row of a finished run.
+    pub fn labelled(&self, view: &ViewSpec, options: &Options, outcome: Outcome) -> Row {
+        let used = Used::new(options);
+        Row {
+            model: self.model.clone(),
+            shot: shot(view),
+            setting: Setting::from(options),
+            outcome,
+            backend: used.backend.into(),
+            raster: used.raster.into(),
+            machine: self.machine.clone(),
+        }
+    }
+
+    /// Draws the frame once more for the oracle: the same input gives the same words.
+    fn finish(&mut self, run: Run, camera: &Camera, options: &Options) -> Result<Timed, RenderError> {
+        if let Some(refused) = run.refused {
+            return Err(refused);
+        }
+        let frame = self.renderer.render(camera, options)?;
+        Ok(Timed { stats: run.stats, total: run.total, frame })
+    }
+}
+
+/// Frames of one configuration so far.
+#[derive(Debug, Default)]
+pub struct Run {
+    pub stats: Vec<Stats>,
+    pub total: Vec<f64>,
+    pub refused: Option<RenderError>,
+}
+
+impl Run {
+    /// Draws a frame, unless one was refused before; a frame that warms up is not counted.
+    pub fn draw(&mut self, renderer: &mut Renderer<'_>, camera: &Camera, options: &Options, warm_up: bool) {
+        if self.refused.is_some() {
+            return;
+        }
+        let start = Instant::now();
+        let frame = match renderer.render(camera, options) {
+            Ok(frame) => frame,
+            Err(refused) => {
+                self.refused = Some(refused);
+                return;
             }
+        };
+        if !warm_up {
+            self.total.push(start.elapsed().as_secs_f64() * 1e3);
+            self.stats.push(frame.stats.clone());
         }
+        renderer.recycle(frame);
     }
 }
 
@@ -111,9 +166,12 @@ pub fn shot(view: &ViewSpec) -> Shot {
     Shot { view: called, zoom: view.zoom, orthographic: view.orthographic, size: view.size }
 }
 
-/// Asks the oracle about a frame.
-pub fn judge(scene: &Scene, frame: &Frame, effort: Effort) -> Result<Option<Errors>> {
-    // The oracle is being written; until then a row says that its errors were not measured.
-    let _ = (scene, frame, effort);
-    Ok(None)
+/// Asks the oracle about a frame; `None` where the effort holds no samples.
+pub fn judge(scene: &Scene, frame: &Frame, effort: Effort) -> Option<Errors> {
+    if effort.samples == 0 {
+        return None;
+    }
+    let sampling = Sampling { samples: Some(effort.samples), seed: effort.seed };
+    let pixels = |x, y| frame.pixel(x, y);
+    Some(Errors::from(&verify(scene, &frame.camera, &frame.options, &pixels, &sampling, &|_, _| ())))
 }

@@ -1,5 +1,6 @@
 //! What a frame really used, for every output that states a measurement.
 
+pub use crate::report::cpu_name;
 use crate::stages::{Bound, Fill, Grid, Options};
 use fearless_simd::Level;
 use serde::Serialize;
@@ -30,13 +31,6 @@ impl Used {
             threads: rayon::current_num_threads(),
         }
     }
-}
-
-/// The processor's name as the system tells it, else its architecture.
-pub fn cpu_name() -> String {
-    let text = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = text.lines().find_map(|l| l.strip_prefix("model name")?.split_once(':'));
-    model.map_or(std::env::consts::ARCH.to_owned(), |(_, name)| name.trim().to_owned())
 }
 
 /// The vector instructions that are used here.

@@ -2,6 +2,8 @@
 
 use super::Net;
 use glam::DMat3;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
 
 /// An integral with a bound on its error that was estimated, not proved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,37 +21,78 @@ const GAUSS: [(f64, f64); 5] = [
     (0.953089922969332, 0.11846344252809454),
 ];
 
-/// Cells are not halved more often than this; where the surface has a corner, the error stays and is stated.
-const MAX_DEPTH: u32 = 8;
+/// Cells are not quartered more often than this in one patch; what error is left then is stated.
+const MAX_SPLITS: usize = 1500;
 
-/// Area of a patch after the linear map `map`, in squared units. A cell is quartered until that changes its area by at
-/// most `tolerance` (squared units); the stated error adds up those last changes.
+/// Area of a patch after the linear map `map`, in squared units. The cell whose area changed most when it was quartered
+/// is refined next, until those changes add up to at most `tolerance` (squared units); the stated error is their sum.
 pub fn patch_area(net: Net, map: DMat3, tolerance: f64) -> Estimate {
-    let whole = [[0.0, 1.0], [0.0, 1.0]];
-    refine(net, map, tolerance, whole, cell_area(net, map, whole), 0)
+    let whole = Cell::new(net, map, UNIT, cell_area(net, map, UNIT));
+    let mut error = whole.error;
+    let mut cells = BinaryHeap::from([whole]);
+    // An error that is not a number ends this too: the patch is out of range, and refining it mends nothing.
+    while error > tolerance && cells.len() < 3 * MAX_SPLITS {
+        let Some(cell) = cells.pop() else { break };
+        error -= cell.error;
+        for (quarter, area) in cell.quarters.into_iter().zip(cell.areas) {
+            let quarter = Cell::new(net, map, quarter, area);
+            error += quarter.error;
+            cells.push(quarter);
+        }
+    }
+    let sum = |of: fn(&Cell) -> f64| cells.iter().map(of).sum();
+    Estimate { value: sum(|c| c.areas.iter().sum()), error: sum(|c| c.error) }
 }
 
 /// Area of a patch with one rule over all of it: its order of magnitude.
 pub fn rough_patch_area(net: Net, map: DMat3) -> f64 {
-    cell_area(net, map, [[0.0, 1.0], [0.0, 1.0]])
+    cell_area(net, map, UNIT)
 }
 
-fn refine(net: Net, map: DMat3, tolerance: f64, cell: [[f64; 2]; 2], coarse: f64, depth: u32) -> Estimate {
-    let halves = cell.map(|[low, high]| [[low, 0.5 * (low + high)], [0.5 * (low + high), high]]);
-    let quarters = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| [halves[0][i], halves[1][j]]);
-    let areas = quarters.map(|quarter| cell_area(net, map, quarter));
-    let value = areas.iter().sum::<f64>();
-    let error = (value - coarse).abs();
-    // Not a number: the patch is out of range for f64, and halving it mends nothing.
-    if error <= tolerance || depth == MAX_DEPTH || error.is_nan() {
-        return Estimate { value, error };
+/// A rectangle of parameters: `[[u0, u1], [v0, v1]]`.
+type Rectangle = [[f64; 2]; 2];
+
+const UNIT: Rectangle = [[0.0, 1.0], [0.0, 1.0]];
+
+/// A cell with its quarters; the one with the largest error comes first.
+struct Cell {
+    quarters: [Rectangle; 4],
+    areas: [f64; 4],
+    /// How much quartering changed the area.
+    error: f64,
+}
+
+impl Cell {
+    /// `coarse` is the area as one rule over the whole cell gives it.
+    fn new(net: Net, map: DMat3, cell: Rectangle, coarse: f64) -> Self {
+        let halves = cell.map(|[low, high]| [[low, 0.5 * (low + high)], [0.5 * (low + high), high]]);
+        let quarters = [(0, 0), (0, 1), (1, 0), (1, 1)].map(|(i, j)| [halves[0][i], halves[1][j]]);
+        let areas = quarters.map(|quarter| cell_area(net, map, quarter));
+        Self { quarters, areas, error: (areas.iter().sum::<f64>() - coarse).abs() }
     }
-    let parts =
-        quarters.iter().zip(areas).map(|(&quarter, area)| refine(net, map, tolerance, quarter, area, depth + 1));
-    parts.fold(Estimate::default(), |a, b| Estimate { value: a.value + b.value, error: a.error + b.error })
 }
 
-fn cell_area(net: Net, map: DMat3, [[u0, u1], [v0, v1]]: [[f64; 2]; 2]) -> f64 {
+impl Ord for Cell {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.error.total_cmp(&other.error)
+    }
+}
+
+impl PartialOrd for Cell {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Cell {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Cell {}
+
+fn cell_area(net: Net, map: DMat3, [[u0, u1], [v0, v1]]: Rectangle) -> f64 {
     let mut sum = 0.0;
     for (x, wx) in GAUSS {
         for (y, wy) in GAUSS {

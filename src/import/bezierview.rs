@@ -43,6 +43,11 @@ pub(super) fn is_kind(number: u32) -> bool {
         || NOT_DRAWN.iter().any(|&(kind, _)| kind == number)
 }
 
+/// True for kinds whose segments open as `.bpt` files do: a number, then a line of two, then points of three.
+pub(super) fn opens_like_bpt(kind: u32) -> bool {
+    matches!(kind, POLYHEDRON | TENSOR | PN_TRIANGLE)
+}
+
 /// True for files that open like this format.
 pub(super) fn matches(bytes: &[u8]) -> bool {
     let mut scanner = Scanner::new(bytes);
@@ -172,8 +177,8 @@ impl Reader<'_> {
     }
 }
 
-/// Control points of a triangular patch.
+/// Control points of a triangular patch, or 2^60, as for `point_count`.
 fn triangle_count(degree: u32) -> u64 {
     let d = u64::from(degree);
-    ((d + 1) * (d + 2) / 2).min(1 << 60)
+    ((d + 1).saturating_mul(d + 2) / 2).min(1 << 60)
 }

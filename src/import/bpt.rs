@@ -9,28 +9,37 @@ use crate::model::Model;
 
 /// True for files that open like this format.
 pub(super) fn matches(bytes: &[u8]) -> bool {
-    opening(Scanner::new(bytes)).unwrap_or(false)
+    let mut scanner = Scanner::new(bytes);
+    let Some(count) = scanner.peek().and_then(whole) else { return false };
+    if !bezierview::is_kind(count) {
+        return scanner.word().is_ok() && scanner.peek().is_none_or(|w| whole(w).is_some());
+    }
+    // A BezierView file may open with the same numbers; most of its kinds put other counts of them on a line.
+    let widths = [1, 2, 3].map(|width| (line_of_words(&mut scanner).len(), width));
+    let alike = widths.iter().all(|(found, width)| found == width);
+    alike && (!bezierview::opens_like_bpt(count) || first_patch_fits(Scanner::new(bytes), count).unwrap_or(false))
 }
 
-/// A BezierView file may open with the same numbers. What follows the first patch tells them apart: here a line of two
-/// whole numbers, or the end if one patch was declared.
-fn opening(mut scanner: Scanner) -> Option<bool> {
-    let count = scanner.peek().and_then(whole)?;
-    scanner.word().ok()?;
-    if !bezierview::is_kind(count) {
-        return Some(scanner.peek().is_none_or(|w| whole(w).is_some()));
-    }
-    let degree = [scanner.count("").ok()?, scanner.count("").ok()?];
-    scanner.skip_numbers(3 * point_count(degree)).ok()?;
+/// What follows the first patch tells the rest apart: here a line of two whole numbers, or the end if one patch was
+/// declared.
+fn first_patch_fits(mut scanner: Scanner, count: u32) -> Result<bool, Stop> {
+    scanner.word()?;
+    let degree = [scanner.count("")?, scanner.count("")?];
+    scanner.skip_numbers(3 * point_count(degree))?;
     if !scanner.rest_of_line().is_empty() {
-        return Some(false);
+        return Ok(false);
     }
     if scanner.peek().is_none() {
-        return Some(count == 1);
+        return Ok(count == 1);
     }
-    let line = scanner.rest_of_line();
-    let words: Vec<_> = line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()).collect();
-    Some(words.len() == 2 && words.into_iter().all(|w| whole(w).is_some()))
+    let words = line_of_words(&mut scanner);
+    Ok(words.len() == 2 && words.into_iter().all(|w| whole(w).is_some()))
+}
+
+/// The words of the next line that is not blank.
+fn line_of_words<'a>(scanner: &mut Scanner<'a>) -> Vec<&'a [u8]> {
+    scanner.peek();
+    scanner.rest_of_line().split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()).collect()
 }
 
 /// Reads a whole file. One that ends early gives the patches that are complete, and a warning.
@@ -75,8 +84,9 @@ pub(super) fn supported(degree: [u32; 2]) -> bool {
     degree.iter().all(|&d| (1..=MAX_DEGREE as u32).contains(&d))
 }
 
-/// Control points of a tensor-product patch; stays far from overflow, three times over too, because no file holds more
-/// than 2^60 bytes: the count saturates there.
+/// Control points of a tensor-product patch, or 2^60, more than any file holds, where the degrees ask for more still:
+/// a few times that does not overflow.
 pub(super) fn point_count(degree: [u32; 2]) -> u64 {
-    ((u64::from(degree[0]) + 1) * (u64::from(degree[1]) + 1)).min(1 << 60)
+    let [u, v] = degree.map(|d| u64::from(d) + 1);
+    u.saturating_mul(v).min(1 << 60)
 }

@@ -19,8 +19,8 @@ const MAX_BYTES: u64 = 1 << 32;
 /// Why a file could not be read.
 #[derive(Debug, Error)]
 pub enum ImportError {
-    #[error("{}: {source}", path.display())]
-    Io { path: PathBuf, source: io::Error },
+    #[error("{}: {error}", path.display())]
+    Io { path: PathBuf, error: io::Error },
     #[error("{}: the file is larger than 4 GiB: split it", path.display())]
     TooLarge { path: PathBuf },
     #[error("{}: the file is empty", path.display())]
@@ -75,7 +75,7 @@ pub fn read(bytes: &[u8], path: &Path) -> Result<Model, ImportError> {
 }
 
 fn read_file(path: &Path) -> Result<Vec<u8>, ImportError> {
-    let failed = |source| ImportError::Io { path: path.to_path_buf(), source };
+    let failed = |error| ImportError::Io { path: path.to_path_buf(), error };
     let file = File::open(path).map_err(failed)?;
     let size = file.metadata().map_err(failed)?.len();
     let mut bytes = Vec::with_capacity(usize::try_from(size.min(MAX_BYTES)).unwrap_or(0));

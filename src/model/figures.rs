@@ -65,7 +65,7 @@ impl Model {
             rational: patches().filter(|p| p.patch.net().is_rational()).count(),
             trims: 0,
             area: area.value,
-            area_relative_error: if area.value > 0.0 { area.error / area.value } else { 0.0 },
+            area_relative_error: if area.value == 0.0 { 0.0 } else { area.error / area.value },
             bounds: self.bounds().map(|b| b.map(Into::into)),
             unit: self.unit.clone(),
             instances: self.instances.len(),

@@ -20,14 +20,15 @@ impl Machine {
     /// This machine, now.
     pub fn here(threads: usize) -> Self {
         let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
-        Self { device: device(), threads, commit: commit(), date: civil_date(now / 86_400) }
+        Self { device: cpu_name(), threads, commit: commit(), date: civil_date(now / 86_400) }
     }
 }
 
-fn device() -> String {
+/// The processor as it names itself, else its architecture.
+pub fn cpu_name() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = info.lines().find_map(|l| l.strip_prefix("model name")?.split_once(':').map(|(_, n)| n.trim()));
-    name.map_or_else(|| format!("unnamed {} processor", std::env::consts::ARCH), str::to_owned)
+    name.unwrap_or(std::env::consts::ARCH).to_owned()
 }
 
 /// Asks in the folder of the sources, not in the current one: that may be someone else's repository.

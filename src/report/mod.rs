@@ -8,14 +8,15 @@ mod rows;
 mod table;
 
 pub use front::{Point, pareto, points, summary};
-pub use machine::{Machine, peak_memory};
+pub use machine::{Machine, cpu_name, peak_memory};
 pub use plot::{PlotError, plot_png, plot_svg};
 pub use row::{Counts, Errors, Measured, Outcome, Row, Setting, Shot, Spread, StageSpread, Summary, stage_spreads};
 pub use rows::{brief, from_json, full, name, to_json};
 pub use table::{Cell, Table, three_figures};
 
+/// Made-up rows.
 #[cfg(test)]
-mod testing {
+pub(crate) mod testing {
     use super::*;
     use crate::stages::{Bound, Grid, Options};
 
@@ -35,6 +36,8 @@ mod testing {
                 counts: Counts { quads: 100, triangles: 200, ..Counts::default() },
                 errors: Some(Errors { checked: 10, grid: Some(summary), ..Errors::default() }),
             })),
+            backend: "cpu".into(),
+            raster: "software".into(),
             machine: Machine {
                 device: "a processor".into(),
                 threads: 2,

@@ -34,20 +34,21 @@ type Drawn<DB> = Result<(), DrawingAreaErrorKind<<DB as DrawingBackend>::ErrorTy
 
 /// Writes the plot as PNG.
 pub fn plot_png(path: &Path, title: &str, points: &[Point]) -> Result<(), PlotError> {
-    plot(BitMapBackend::new(path, SIZE), title, points)
+    plot(|| BitMapBackend::new(path, SIZE), title, points)
 }
 
 /// Writes the plot as SVG.
 pub fn plot_svg(path: &Path, title: &str, points: &[Point]) -> Result<(), PlotError> {
-    plot(SVGBackend::new(path, SIZE), title, points)
+    plot(|| SVGBackend::new(path, SIZE), title, points)
 }
 
-fn plot<DB: DrawingBackend>(backend: DB, title: &str, points: &[Point]) -> Result<(), PlotError> {
+/// A backend writes its file even when nothing was drawn, so it is made once there is something to draw.
+fn plot<DB: DrawingBackend>(backend: impl FnOnce() -> DB, title: &str, points: &[Point]) -> Result<(), PlotError> {
     if points.is_empty() {
         return Err(PlotError::Empty);
     }
     use_bundled_font()?;
-    let area = backend.into_drawing_area();
+    let area = backend().into_drawing_area();
     let done = draw(&area, title, points).and_then(|()| area.present());
     done.map_err(|e| PlotError::Drawing(e.to_string()))
 }
@@ -130,8 +131,9 @@ where
     CT::From: Clone,
 {
     let mut outline = shape(bound);
-    let inside = if grid == Grid::Variable { color(bound) } else { WHITE };
-    area.draw(&(EmptyElement::at(at.clone()) + Polygon::new(outline.clone(), inside.filled())))?;
+    if grid == Grid::Variable {
+        area.draw(&(EmptyElement::at(at.clone()) + Polygon::new(outline.clone(), color(bound).filled())))?;
+    }
     outline.push(outline[0]);
     area.draw(&(EmptyElement::at(at) + PathElement::new(outline, color(bound).stroke_width(2))))
 }
@@ -285,6 +287,7 @@ mod tests {
     #[test]
     fn nothing_to_plot_is_an_error() {
         assert!(matches!(plot_svg(Path::new("unused.svg"), "", &[]), Err(PlotError::Empty)));
+        assert!(!Path::new("unused.svg").exists());
     }
 
     #[test]

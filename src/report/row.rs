@@ -1,6 +1,7 @@
 //! One measured run: what was asked for, on what machine, how long it took and how far off it was.
 
 use crate::stages::{Bound, Fill, Grid, Options, Stats};
+use crate::verify::{ErrorStats, Report};
 use serde::{Deserialize, Serialize};
 
 /// One measured run. Every row has both, time and error, or says why it has not.
@@ -10,6 +11,9 @@ pub struct Row {
     pub shot: Shot,
     pub setting: Setting,
     pub outcome: Outcome,
+    /// What really drew, as every output names it: `cpu`, `software`.
+    pub backend: String,
+    pub raster: String,
     pub machine: super::Machine,
 }
 
@@ -186,6 +190,22 @@ impl From<&Stats> for Counts {
             filled: s.filled,
             drawn: s.drawn,
             buffer_bytes: s.buffer_bytes,
+        }
+    }
+}
+
+impl From<&Report> for Errors {
+    fn from(r: &Report) -> Self {
+        let summary = |stats: Option<ErrorStats>| stats.map(|s| Summary { max: s.max, p999: s.p999, mean: s.mean });
+        Self {
+            checked: r.pixels,
+            grid: summary(r.grid_error_px),
+            parametric: summary(r.parametric_error_px),
+            refined: summary(r.refined_error_px),
+            violations: r.violations,
+            cracks: r.cracks,
+            covering_failures: r.covering_failures,
+            depth_failures: r.depth_failures,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! A table of figures, as Markdown that lines up in a terminal and as CSV that keeps every digit.
 
+use serde_json::Value;
 use std::fmt::Write;
 
 /// What one cell holds.
@@ -62,6 +63,12 @@ impl Table {
         headings + &rows.collect::<String>()
     }
 
+    /// One object a row, keyed by the headings.
+    pub fn json(&self) -> Value {
+        let object = |row: &Vec<Cell>| self.headings.iter().cloned().zip(row.iter().map(Cell::json)).collect::<Value>();
+        self.rows.iter().map(object).collect()
+    }
+
     /// Holds numbers only, so that it is flushed right.
     fn is_numeric(&self, column: usize) -> bool {
         let cells = || self.rows.iter().map(|row| &row[column]);
@@ -77,6 +84,15 @@ impl Cell {
             Cell::Text(text) => text.replace('|', "\\|").replace('\n', " "),
             Cell::Count(n) => n.to_string(),
             Cell::Number(x) => three_figures(*x),
+        }
+    }
+
+    fn json(&self) -> Value {
+        match self {
+            Cell::Missing => Value::Null,
+            Cell::Text(text) => text.as_str().into(),
+            Cell::Count(n) => (*n).into(),
+            Cell::Number(x) => (*x).into(),
         }
     }
 
@@ -172,6 +188,13 @@ mod tests {
     #[test]
     fn csv_quotes_and_keeps_digits() {
         assert_eq!(sample().csv(), "name,ms,why\n\"a,\"\"b\"\"\",1234.56,\nc,0.012345,x|y\n");
+    }
+
+    #[test]
+    fn json_is_keyed_by_headings() {
+        let json = sample().json();
+        assert_eq!(json[1]["ms"], 0.012345);
+        assert!(json[0]["why"].is_null());
     }
 
     #[test]

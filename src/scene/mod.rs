@@ -5,8 +5,8 @@ mod closure;
 mod enclosure;
 mod prepare;
 
-pub use camera::{Camera, CameraError, Projection, View, ViewSpec};
-pub use closure::is_closed;
+pub use camera::{Camera, CameraError, MAX_SIDE, Projection, View, ViewSpec};
+pub use closure::visible_sides;
 pub use enclosure::{enclose, normal_cone};
 pub use prepare::{PrepareError, prepare};
 
@@ -67,8 +67,19 @@ pub struct SceneFace {
     pub name: String,
     /// Linear RGB.
     pub color: [f32; 3],
-    /// Bounds a solid: back patches can't be seen.
-    pub solid: bool,
+    /// Which side of the surface can be seen.
+    pub sides: Sides,
+}
+
+/// The sides of a face that can be seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sides {
+    #[default]
+    Both,
+    /// The face bounds a solid and `S_u x S_v` points outwards.
+    Outside,
+    /// The face bounds a solid and `S_u x S_v` points inwards.
+    Inside,
 }
 
 #[derive(Clone, Debug)]

@@ -1,6 +1,6 @@
 //! `Model` to `Scene`: once a model, in parallel, f64.
 
-use super::{Bounds, Patch, Scene, SceneFace, SceneInstance, enclose, is_closed, normal_cone};
+use super::{Bounds, Patch, Scene, SceneFace, SceneInstance, Sides, enclose, normal_cone, visible_sides};
 use crate::geometry::{BezierPatch, Net};
 use crate::model::{Face, Model, Part, Solidity};
 use glam::{DVec3, DVec4};
@@ -48,7 +48,7 @@ pub fn prepare(model: &Model, progress: &(dyn Fn(usize, usize) + Sync)) -> Resul
     let prepared: Vec<(Patch, Vec<DVec4>)> = (sources.par_iter())
         .map(|source| {
             let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-            if count % PROGRESS_STEP == 0 || count == sources.len() {
+            if count.is_multiple_of(PROGRESS_STEP) || count == sources.len() {
                 progress(count, sources.len());
             }
             prepare_patch(source)
@@ -72,15 +72,15 @@ struct Source<'a> {
 /// Lists a part's faces and patches; returns the range of its patches.
 fn collect_part<'a>(part: &'a Part, faces: &mut Vec<SceneFace>, sources: &mut Vec<Source<'a>>) -> Range<usize> {
     let start = sources.len();
-    let solid = match part.solidity {
-        Solidity::Solid => true,
-        Solidity::Open => false,
-        Solidity::Unknown => is_closed(part),
+    let sides = match part.solidity {
+        Solidity::Solid => Sides::Outside,
+        Solidity::Open => Sides::Both,
+        Solidity::Unknown => visible_sides(part),
     };
     for face in &part.faces {
         let Face { id, name, color, surface } = face;
         let number = faces.len() as u32;
-        faces.push(SceneFace { id: *id, name: name.clone(), color: color.unwrap_or(DEFAULT_COLOR), solid });
+        faces.push(SceneFace { id: *id, name: name.clone(), color: color.unwrap_or(DEFAULT_COLOR), sides });
         sources.extend(surface.patches.iter().map(|p| Source { patch: &p.patch, domain: p.domain, face: number }));
     }
     start..sources.len()

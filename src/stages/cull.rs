@@ -6,7 +6,7 @@
 use super::lens::{Lens, PatchMap};
 use super::{Cull, Options, RenderError};
 use crate::geometry::{BezierPatch, Net};
-use crate::scene::{Enclosure, Patch, Scene, enclose};
+use crate::scene::{Enclosure, Patch, Scene, Sides, enclose};
 use glam::{DVec3, DVec4, Vec4};
 
 /// Largest depth ratio within a leaf; research "tessellation-bounds" section 4c.
@@ -43,7 +43,10 @@ pub(super) struct Leaf {
     pub high: DVec3,
     /// A-priori bound of the rounding of a vertex's screen position, in pixels.
     pub rounding: f64,
+    /// Halvings of its patch.
     pub depth: u32,
+    /// Sign of the screen area, in parameter order, of triangles that face away on a solid; 0: both sides can be seen.
+    pub hidden: i8,
 }
 
 /// The exact part of a split patch.
@@ -165,6 +168,7 @@ impl<'a> Culler<'a> {
                     }
                     leaf.instance = instance;
                     leaf.patch = index;
+                    leaf.hidden = self.hidden_sign(patch, map);
                     leaf.net = out.nets.len() as u32;
                     self.push_net(&leaf, &mut out.nets);
                     if let Some(net) = piece.net {
@@ -196,8 +200,8 @@ impl<'a> Culler<'a> {
         self.scratch.clear();
         self.scratch.extend(net.points().iter().map(|&p| map.apply(p)));
         let (z_min, z_max) = range(self.scratch.iter().map(|p| p.z / p.w));
-        // Written so that what is not a number is culled.
-        if !(z_max >= lens.near) || self.outside() {
+        // What is not a number is culled.
+        if z_max.is_nan() || z_max < lens.near || self.outside() {
             return Verdict::Culled;
         }
         let split = if piece.depth < MAX_DEPTH { Verdict::Split } else { Verdict::TooClose };
@@ -212,7 +216,7 @@ impl<'a> Culler<'a> {
         let center = [(x_min + x_max) * 0.5, (y_min + y_max) * 0.5].map(f64::round);
         let reach = (x_max - center[0]).max(center[0] - x_min).max((y_max - center[1]).max(center[1] - y_min));
         let rounding = rounding_bound(net.degree(), reach);
-        if !(rounding <= ROUNDING_BUDGET) {
+        if rounding.is_nan() || rounding > ROUNDING_BUDGET {
             return split;
         }
         Verdict::Keep(Box::new(Leaf {
@@ -229,6 +233,7 @@ impl<'a> Culler<'a> {
             high: DVec3::new(x_max, y_max, z_max),
             rounding,
             depth: piece.depth,
+            hidden: 0,
         }))
     }
 
@@ -273,19 +278,34 @@ impl<'a> Culler<'a> {
         usize::from(v > u)
     }
 
-    /// All of a solid's patch faces away from an eye that is outside.
+    /// Which way `S_u x S_v` points where it can't be seen: 1 away from the eye, -1 towards it, 0 where both can.
+    fn hidden_side(&self, patch: &Patch) -> i8 {
+        match (self.options.cull, self.scene.faces[patch.face as usize].sides) {
+            (Cull::Off, _) | (Cull::Auto, Sides::Both) => 0,
+            // Cut open, a solid shows its inside.
+            (Cull::Auto, _) if !self.whole => 0,
+            (Cull::Auto | Cull::On, Sides::Inside) => -1,
+            (Cull::Auto, Sides::Outside) | (Cull::On, _) => 1,
+        }
+    }
+
+    /// On a solid's patch: the sign of the screen area, in parameter order, of what faces away. x is right, y down and
+    /// z away from the eye: normals that point away have a positive one. A mirroring instance turns parameters round.
+    fn hidden_sign(&self, patch: &Patch, map: &PatchMap) -> i8 {
+        let [x, y, z] = map.axes;
+        let hidden = self.hidden_side(patch);
+        if x.cross(y).dot(z) < 0.0 { -hidden } else { hidden }
+    }
+
+    /// All of a solid's patch faces away from the eye. Seen from its own coordinates a solid looks the same however its
+    /// instance stretches or mirrors it.
     fn is_back_patch(&self, patch: &Patch, map: &PatchMap) -> bool {
-        let solid = self.scene.faces[patch.face as usize].solid;
-        let wanted = match self.options.cull {
-            Cull::Off => false,
-            Cull::Auto => solid && self.whole,
-            Cull::On => true,
-        };
         let cone = &patch.cone;
-        if !wanted || cone.cos_angle <= 0.0 {
+        let hidden = self.hidden_side(patch);
+        if hidden == 0 || cone.cos_angle <= 0.0 {
             return false;
         }
-        // Seen from its own coordinates a solid looks the same however its instance stretches or mirrors it.
+        let axis = cone.axis * f64::from(hidden);
         let cone_angle = cone.cos_angle.clamp(-1.0, 1.0).acos();
         let (towards, spread) = if self.lens.perspective {
             match direction_cone(self.scene.net(patch), map) {
@@ -298,7 +318,7 @@ impl<'a> Culler<'a> {
             let along = x.cross(y);
             ((along * along.dot(z).signum()).normalize(), 0.0)
         };
-        cone.axis.dot(towards).clamp(-1.0, 1.0).acos() + cone_angle + spread < std::f64::consts::FRAC_PI_2 - 1e-9
+        axis.dot(towards).clamp(-1.0, 1.0).acos() + cone_angle + spread < std::f64::consts::FRAC_PI_2 - 1e-9
     }
 
     /// Writes the f32 net of a leaf: centred in f64, then rounded.

@@ -32,6 +32,8 @@ pub(super) struct Meshlet {
     pub first: [u16; 2],
     pub quads: [u8; 2],
     pub diagonal: u8,
+    /// `Leaf::hidden`.
+    pub hidden: i8,
     /// Which of its sides (u=0, u=1, v=0, v=1) are the leaf's: bits 0 to 3.
     pub outer: u8,
     /// Rows of pixels it may touch, strokes included: first and one past the last.
@@ -129,6 +131,7 @@ impl Evaluator<'_> {
                     first: [first_u as u16, first_v as u16],
                     quads: [quads_u as u8, quads_v as u8],
                     diagonal: grid.diagonal,
+                    hidden: leaf.hidden,
                     outer,
                     rows: self.rows(&out.vertices[start..]),
                 });

@@ -1,11 +1,11 @@
 //! fill: where a spare fragment closes a crack, it takes the pixel (DESIGN section 4; ETER's CRK).
 
-use super::Fill;
 use super::evaluate::Meshlets;
 use super::frame::Targets;
 use super::rasterize::BAND;
 use super::stroke::is_nearer;
 use super::topology::{Primitive, depth_of, index_of, meshlet_of, primitive};
+use super::{Fill, Options};
 use rayon::prelude::*;
 
 /// Entries of the 3x3 neighbourhood that may show what N shows here for the vote to fill.
@@ -14,16 +14,19 @@ const VOTE: usize = 3;
 const OUTWARD: f32 = 0.3;
 
 /// A pixel that the spare buffer took.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Filled {
     pub pixel: u32,
-    /// What the near buffer had: refinement may give the pixel back.
+    /// What the near buffer had: shading may give the pixel back.
     pub near: u64,
+    /// Leaf parameters from which to refine, where shading has found them; else those of the word.
+    pub start: Option<[f32; 2]>,
 }
 
 /// Decides every touched pixel from the near buffer alone, then writes; returns the pixels taken, in image order.
-pub(super) fn fill(meshlets: &Meshlets, fill: Fill, size: [u32; 2], targets: &mut Targets) -> Vec<Filled> {
+pub(super) fn fill(meshlets: &Meshlets, options: &Options, size: [u32; 2], targets: &mut Targets) -> Vec<Filled> {
     let width = size[0] as usize;
+    let exact = options.refine > 0;
     let rule = Rule { meshlets, near: &targets.near, size: size.map(|s| s as i32) };
     let mut taken: Vec<(Filled, u64)> = (targets.touched.par_iter().enumerate())
         .flat_map_iter(|(band, touched)| {
@@ -33,13 +36,14 @@ pub(super) fn fill(meshlets: &Meshlets, fill: Fill, size: [u32; 2], targets: &mu
                 let pixel = first + p;
                 let (s, n) = (spare[pixel as usize], near[pixel as usize]);
                 let wanted = is_nearer(s, n)
-                    && match fill {
-                        Fill::Stroke => rule.continues(pixel, s, n) || rule.vote(pixel, n),
+                    && match options.fill {
+                        // Shading asks the exact surface (settle.rs); without it the neighbours have to tell.
+                        Fill::Stroke => exact || rule.continues(pixel, s, n) || rule.vote(pixel, n),
                         Fill::Eter => rule.leaf(s) != rule.leaf(n) && rule.vote(pixel, n),
                         Fill::Conservative => true,
                         Fill::Off => false,
                     };
-                wanted.then_some((Filled { pixel, near: n }, s))
+                wanted.then_some((Filled { pixel, near: n, start: None }, s))
             })
         })
         .collect();

@@ -127,7 +127,7 @@ impl<'a> Renderer<'a> {
         let pens: Vec<Pen> = leaves.leaves.iter().map(|leaf| Pen::new(leaf, options.tolerance)).collect();
         rasterize(&meshlets, &pens, options.fill, camera.size, &mut targets);
         clock.stage("rasterize");
-        let mut filled = fill(&meshlets, options.fill, camera.size, &mut targets);
+        let mut filled = fill(&meshlets, options, camera.size, &mut targets);
         clock.stage("fill");
         let Leaves { leaves, nets, patches_visible } = leaves;
         let shader = Shader {

@@ -16,6 +16,13 @@ pub(super) fn interpolate(meshlets: &Meshlets, quads: [u32; 2], word: u64, x: u3
     }
 }
 
+/// Leaf parameters of the three corners of a word's triangle.
+pub(super) fn corner_parameters(meshlets: &Meshlets, quads: [u32; 2], word: u64) -> [[f32; 2]; 3] {
+    let meshlet = &meshlets.meshlets[meshlet_of(word) as usize];
+    let (Primitive::Triangle(corners) | Primitive::Edge(corners)) = primitive(meshlet, index_of(word));
+    corners.map(|corner| parameters(meshlet, quads, corner))
+}
+
 fn center(pixel: u32) -> i64 {
     i64::from(pixel) * i64::from(SUBPIXELS) + i64::from(SUBPIXELS / 2)
 }

@@ -12,6 +12,7 @@ mod lens;
 mod newton;
 mod options;
 mod rasterize;
+mod settle;
 mod shade;
 mod show;
 mod slefe;

@@ -9,7 +9,7 @@ pub(super) const LANES: usize = 8;
 /// Residual in pixels at which a pixel is done.
 const CONVERGED: f32 = 1.0 / 512.0;
 /// Times a step is halved before the old parameter is kept.
-const HALVINGS: usize = 4;
+const HALVINGS: usize = 6;
 /// Rounds that pixels near a silhouette, where Newton's method is slow, may take for each one asked for.
 const STRAGGLER_ROUNDS: u32 = 8;
 
@@ -25,6 +25,8 @@ pub(super) struct Surface<'a> {
     pub domain: [[f32; 2]; 2],
     /// What the depth may change beyond the surface's own slope, model units.
     pub depth_tolerance: f32,
+    /// Any sheet will do: refinement may cross silhouettes and change the depth.
+    pub any_sheet: bool,
 }
 
 /// Eight pixels: parameters in and out, targets in, surface out.
@@ -37,6 +39,8 @@ pub(super) struct Batch {
     pub y: [f32; LANES],
     /// L-infinity distance of the projected surface point from the pixel centre.
     pub residual: [f32; LANES],
+    /// Camera depth of the surface point about the leaf's depth origin.
+    pub z: [f32; LANES],
     /// `S_u x S_v` up to a positive factor, in the leaf's pixel-homogeneous axes.
     pub normal: [[f32; LANES]; 3],
 }
@@ -87,12 +91,15 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
             // Another sheet, or the other side of a silhouette, is not this pixel's surface.
             let same_side = (jacobian(simd, &next) * facing).simd_ge(f32x8::splat(simd, 0.0));
             let same_sheet = (next.z - depth).abs().simd_le(slack);
-            let take = pending & r.simd_lt(residual) & same_side & same_sheet;
+            let mut take = pending & r.simd_lt(residual);
+            if !surface.any_sheet {
+                take = take & same_side & same_sheet;
+            }
             s = take.select(ns, s);
             t = take.select(nt, t);
             residual = take.select(r, residual);
             point = merge(take, next, point);
-            pending = pending & !take;
+            pending &= !take;
             if !pending.any_true() {
                 break;
             }
@@ -109,6 +116,7 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
     s.store_slice(&mut batch.s);
     t.store_slice(&mut batch.t);
     residual.store_slice(&mut batch.residual);
+    point.z.store_slice(&mut batch.z);
     for k in 0..3 {
         point.normal[k].store_slice(&mut batch.normal[k]);
     }

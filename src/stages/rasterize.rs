@@ -94,7 +94,9 @@ fn draw(meshlets: &Meshlets, number: u32, pens: &[Pen], fill: Fill, band: &mut B
             for (k, corners) in triangles(a, b, meshlet.diagonal).into_iter().enumerate() {
                 let corners = corners.map(at);
                 let id = word(0.0, number, first + k as u32);
-                triangle(&corners, id, band);
+                if !faces_away(&corners, meshlet.hidden) {
+                    triangle(&corners, id, band);
+                }
                 if matches!(fill, Fill::Eter | Fill::Conservative) {
                     stroke::conservative(&corners, id, band);
                 }
@@ -108,9 +110,25 @@ fn draw(meshlets: &Meshlets, number: u32, pens: &[Pen], fill: Fill, band: &mut B
     for side in (0..4).filter(|side| meshlet.outer >> side & 1 == 1) {
         for k in 0..if side < 2 { across_v } else { across_u } {
             let corners = edge(meshlet, side, k).map(at);
+            // Edges of sides u = 0 and v = 1 come against the parameters' order.
+            let hidden = if matches!(side, 0 | 3) { -meshlet.hidden } else { meshlet.hidden };
+            if faces_away(&corners, hidden) {
+                continue;
+            }
             stroke::stroke(&corners, pen, word(0.0, number, edge_index(side, k)), band);
         }
     }
+}
+
+/// The triangle shows the inside of a solid. Each point of the image that the solid covers is covered by a triangle
+/// that faces the eye, so that leaving these out opens nothing.
+fn faces_away([a, b, c]: &[Vertex; 3], hidden: i8) -> bool {
+    if hidden == 0 {
+        return false;
+    }
+    let (ux, uy) = (i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y));
+    let (vx, vy) = (i64::from(c.x) - i64::from(a.x), i64::from(c.y) - i64::from(a.y));
+    (ux * vy - uy * vx).signum() == i64::from(hidden)
 }
 
 /// Three corners turned so that the area is positive, with their edge functions.

@@ -9,8 +9,9 @@ use super::interpolate::interpolate;
 use super::lens::Lens;
 use super::newton::{Batch, LANES, Surface, refine};
 use super::rasterize::BAND;
+use super::settle::{refuse, settle};
 use super::topology::meshlet_of;
-use super::{Options, show};
+use super::{Fill, Options, show};
 use crate::scene::Scene;
 use fearless_simd::{Level, dispatch};
 use glam::{Vec3, Vec4};
@@ -34,22 +35,13 @@ struct Run {
     count: u32,
 }
 
-/// A filled pixel must come to lie within half a pixel, or shows what is behind it.
-const HALF_PIXEL: f32 = 0.5;
-
-/// Shades every drawn pixel; filled pixels that refinement can't bring to their centre go back to N. Returns how many
-/// pixels stay filled.
+/// Shades every drawn pixel; filled pixels that turn out to be no gap go back to N.
 pub(super) fn shade(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Filled>) {
     if shader.options.refine > 0 {
-        let refused: Vec<bool> = filled.par_iter().map(|f| shader.refuses(f.pixel, targets)).collect();
-        let mut refused = refused.into_iter();
-        filled.retain(|f| {
-            let back = refused.next() == Some(true);
-            if back {
-                targets.near[f.pixel as usize] = f.near;
-            }
-            !back
-        });
+        match shader.options.fill {
+            Fill::Stroke => settle(shader, targets, filled),
+            _ => refuse(shader, targets, filled),
+        }
     }
     let width = shader.lens.size[0] as usize;
     let bands = targets.near.par_chunks(width * BAND).zip(targets.parameters.par_chunks_mut(width * BAND));
@@ -63,13 +55,21 @@ pub(super) fn shade(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fil
             });
         }
     });
+    // Where a filled pixel's parameters are known, they stand: its triangle would lead astray near a silhouette.
+    let near = &targets.near;
+    let surfels: Vec<Surfel> = filled.par_iter().map(|f| shader.surfel(near[f.pixel as usize], f)).collect();
+    for (f, surfel) in filled.iter().zip(surfels) {
+        targets.parameters[f.pixel as usize] = surfel.parameters;
+        targets.color[f.pixel as usize] = surfel.color;
+    }
 }
 
 /// One shaded pixel.
-struct Surfel {
+pub(super) struct Surfel {
     parameters: [f32; 2],
     color: [f32; 3],
-    residual: f32,
+    /// Pixels between the pixel centre and the projected surface point.
+    pub residual: f32,
 }
 
 impl Shader<'_> {
@@ -117,24 +117,13 @@ impl Shader<'_> {
                 break;
             }
             let word = |k: usize| words[batch[k] as usize];
-            self.batch(&surface, leaf, &batch.map(|p| p + first)[..count], word, &mut |k, surfel| {
-                write(batch[k] as usize, surfel);
-            });
+            let pixels = &batch.map(|p| p + first)[..count];
+            let start = |k: usize| self.interpolated(leaf, word(k), pixels[k]);
+            self.batch(&surface, leaf, pixels, start, word, &mut |k, surfel| write(batch[k] as usize, surfel));
         }
     }
 
-    /// A filled pixel whose refined residual stays beyond half a pixel was no gap.
-    fn refuses(&self, pixel: u32, targets: &Targets) -> bool {
-        let word = targets.near[pixel as usize];
-        let leaf = self.meshlets.meshlets[meshlet_of(word) as usize].leaf;
-        let mut refused = false;
-        self.batch(&self.surface(leaf), leaf, &[pixel], |_| word, &mut |_, surfel| {
-            refused = !(surfel.residual <= HALF_PIXEL);
-        });
-        refused
-    }
-
-    fn surface(&self, leaf: u32) -> Surface<'_> {
+    pub(super) fn surface(&self, leaf: u32) -> Surface<'_> {
         let leaf = &self.leaves[leaf as usize];
         let domain = [0, 1].map(|k| {
             let end = |value: f64| ((value - leaf.corner[k]) / leaf.extent[k]) as f32;
@@ -147,6 +136,7 @@ impl Shader<'_> {
             perspective: self.lens.perspective,
             depth_origin: leaf.depth_origin as f32,
             domain,
+            any_sheet: false,
             depth_tolerance: (self.options.depth_tolerance * self.lens.pixel_size(leaf.low.z)) as f32,
         }
     }
@@ -157,23 +147,19 @@ impl Shader<'_> {
         surface: &Surface,
         number: u32,
         pixels: &[u32],
+        start: impl Fn(usize) -> [f32; 2],
         word: impl Fn(usize) -> u64,
         write: &mut impl FnMut(usize, Surfel),
     ) {
         let leaf = &self.leaves[number as usize];
-        let [width, height] = self.lens.size;
         let mut lanes = Batch::default();
         for k in 0..LANES {
             // Lanes to spare repeat the last pixel: same arithmetic, no special case.
             let j = k.min(pixels.len() - 1);
-            let (x, y) = (pixels[j] % width, pixels[j] / width);
-            let quads = self.grids[number as usize].quads;
-            [lanes.s[k], lanes.t[k]] = interpolate(self.meshlets, quads, word(j), x, y);
-            lanes.x[k] = (x as f32 + 0.5 - width as f32 * 0.5) - leaf.center[0] as f32;
-            lanes.y[k] = (y as f32 + 0.5 - height as f32 * 0.5) - leaf.center[1] as f32;
+            [lanes.s[k], lanes.t[k]] = start(j);
+            [lanes.x[k], lanes.y[k]] = self.target(leaf, pixels[j]);
         }
-        let level = Level::new();
-        dispatch!(level, simd => refine(simd, surface, self.options.refine, &mut lanes));
+        self.refine(surface, self.options.refine, &mut lanes);
         for (k, &pixel) in pixels.iter().enumerate() {
             let normal = Vec3::from_array([0, 1, 2].map(|c| lanes.normal[c][k]));
             let parameters = [lanes.s[k], lanes.t[k]];
@@ -186,6 +172,51 @@ impl Shader<'_> {
             };
             write(k, Surfel { parameters, color: show::color(self, &look), residual: lanes.residual[k] });
         }
+    }
+
+    /// A pixel's centre about the leaf's.
+    pub(super) fn target(&self, leaf: &Leaf, pixel: u32) -> [f32; 2] {
+        let [width, height] = self.lens.size;
+        let (x, y) = ((pixel % width) as f32 + 0.5, (pixel / width) as f32 + 0.5);
+        [x - width as f32 * 0.5 - leaf.center[0] as f32, y - height as f32 * 0.5 - leaf.center[1] as f32]
+    }
+
+    pub(super) fn refine(&self, surface: &Surface, rounds: u32, batch: &mut Batch) {
+        let level = Level::new();
+        dispatch!(level, simd => refine(simd, surface, rounds, batch));
+    }
+
+    pub(super) fn stored_depth(&self, z: f32) -> f32 {
+        let lens = self.lens;
+        if lens.perspective { lens.near as f32 / z } else { 1.0 - (z - lens.near as f32) / lens.extent as f32 }
+    }
+
+    /// A stored depth that is nearer by the depth tolerance; 0 for background.
+    pub(super) fn nearer_by_tolerance(&self, stored: f32) -> f32 {
+        let lens = self.lens;
+        if stored == 0.0 {
+            return 0.0;
+        }
+        let z = if lens.perspective {
+            lens.near / f64::from(stored)
+        } else {
+            lens.near + (1.0 - f64::from(stored)) * lens.extent
+        };
+        self.stored_depth((z - self.options.depth_tolerance * lens.pixel_size(z)) as f32)
+    }
+
+    fn interpolated(&self, leaf: u32, word: u64, pixel: u32) -> [f32; 2] {
+        let width = self.lens.size[0];
+        interpolate(self.meshlets, self.grids[leaf as usize].quads, word, pixel % width, pixel / width)
+    }
+
+    /// A filled pixel as if it showed `word`.
+    pub(super) fn surfel(&self, word: u64, filled: &Filled) -> Surfel {
+        let leaf = self.meshlets.meshlets[meshlet_of(word) as usize].leaf;
+        let start = filled.start.unwrap_or_else(|| self.interpolated(leaf, word, filled.pixel));
+        let mut found = Surfel { parameters: [0.0; 2], color: [0.0; 3], residual: f32::INFINITY };
+        self.batch(&self.surface(leaf), leaf, &[filled.pixel], |_| start, |_| word, &mut |_, surfel| found = surfel);
+        found
     }
 
     /// Unit direction of the ray through a pixel centre, camera axes.

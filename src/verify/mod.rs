@@ -14,6 +14,20 @@
 //! Parts without proof (silhouettes, edge-on and collapsed patches) are halved for the single ray until they have one
 //! or are smaller than `RESOLUTION` pixels: these count as hits. `hierarchy` finds the parts under a ray.
 //!
+//! How DESIGN section 6 is read (`check`):
+//! - The 5x5 sub-samples span the closed pixel, corners included; the middle one is the centre. They are shot when a
+//!   verdict needs them, so most pixels cost one ray.
+//! - Delta at camera depth z is `depth_tolerance` pixel sizes there plus four half-ulps of the stored f32 depth. Hits
+//!   within delta of the nearest are visible, so coincident patches count as one.
+//! - A crack compares with the depth of the exact point at the stored parameter. A depth failure compares with that or
+//!   the stored depth, whichever is farther; only with the exact point where a stroke decided the pixel, since strokes
+//!   are pushed back on purpose. Both may hold of one pixel: a hidden sheet of a face that is visible.
+//! - A face is a `SceneFace` of an instance. It covers a pixel where it is visible at a sub-sample, at the stored or
+//!   the interpolated point, or on one of 17x17 rays. A sliver thinner than all these that the frame does not show
+//!   itself would be missed, and reported as a failure.
+//! - The errors are the larger of |x| and |y|; parameters that are no point of the instance's patches count as
+//!   `f64::MAX`.
+//!
 //! Nothing here is shared with the stages but the evaluation of nets, the scene and the camera.
 
 mod check;

@@ -211,7 +211,7 @@ impl Tally {
     }
 
     fn report(self, map: ErrorMap, seconds: f64) -> Report {
-        let [grid, parametric, refined] = self.errors.map(|errors| ErrorStats::of(errors));
+        let [grid, parametric, refined] = self.errors.map(ErrorStats::of);
         let [violations, cracks, covering_failures, depth_failures] = self.failures;
         Report {
             pixels: self.pixels,

@@ -41,6 +41,12 @@ pub fn run(args: &Args) -> Result<()> {
     })
 }
 
+/// What resuming needs of a results file.
+#[derive(serde::Deserialize)]
+struct Saved {
+    rows: Vec<Row>,
+}
+
 /// Rows of the same commit; those of another one are measured anew.
 fn earlier(args: &Args) -> Result<Vec<Row>> {
     let Some(prefix) = &args.suite.results.output else { return Ok(Vec::new()) };
@@ -49,8 +55,9 @@ fn earlier(args: &Args) -> Result<Vec<Row>> {
         return Ok(Vec::new());
     }
     let text = std::fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    let mut rows = report::from_json(&text)
-        .with_context(|| format!("{} holds no rows: start without --resume", path.display()))?;
+    let saved: Saved =
+        serde_json::from_str(&text).with_context(|| format!("{}: start without --resume", path.display()))?;
+    let mut rows = saved.rows;
     let commit = Machine::here(0).commit;
     rows.retain(|row| row.machine.commit == commit);
     Ok(rows)
@@ -69,8 +76,8 @@ fn measure(args: &Args, mut subject: Subject<'_>, rows: &mut Vec<Row>) -> Result
             bar.inc(1);
         }
         if let Some(prefix) = &args.suite.results.output {
-            // The machine is slow and this takes hours: keep what there is.
-            results::write(prefix, ".json", &(report::to_json(rows)? + "\n"))?;
+            // A long run that may be cut off: keep what there is.
+            findings(rows.clone()).write_json(prefix)?;
         }
     }
     bar.finish_and_clear();
@@ -81,8 +88,9 @@ fn findings(rows: Vec<Row>) -> Findings {
     let broken: Vec<Row> = rows.iter().filter(|r| r.errors().is_some_and(|e| e.broken() > 0)).cloned().collect();
     Findings {
         title: "The accuracy contract",
-        about: "Sums over all shots of a model; errors are the largest of all shots, in pixels. Covering and depth \
-                failures also per 100,000 checked pixels. What a bound refuses is not counted as kept."
+        about: "Sums over all shots of a model; errors are the largest of all shots, in pixels. Rates are over the checked \
+                pixels: half of them are drawn near borders and all filled ones are among them, where failures are, so \
+                the rate over a picture is lower. What a bound refuses is not counted as kept."
             .into(),
         tables: vec![
             ("By model and bound".into(), summary(&rows)),
@@ -103,11 +111,12 @@ fn summary(rows: &[Row]) -> Table {
         "refused",
         "checked",
         "violations",
+        "violations per 1e5",
         "cracks",
         "covering",
-        "per 1e5",
+        "covering per 1e5",
         "depth",
-        "per 1e5",
+        "depth per 1e5",
         "grid max px",
         "param max px",
         "refined max px",
@@ -134,6 +143,7 @@ fn summary_line(rows: &[&Row]) -> Vec<Cell> {
     let rate = |n: Option<u64>| Some(n? as f64 * 1e5 / checked.filter(|&c| c > 0)? as f64);
     let worst =
         |get: fn(&Errors) -> Option<Summary>| errors.iter().filter_map(|e| get(e)).map(|s| s.max).reduce(f64::max);
+    let violations = sum(|e| e.violations);
     let (covering, depth) = (sum(|e| e.covering_failures), sum(|e| e.depth_failures));
     let reasons: Vec<&str> = rows
         .iter()
@@ -150,7 +160,8 @@ fn summary_line(rows: &[&Row]) -> Vec<Cell> {
         rows.len().into(),
         reasons.len().into(),
         checked.into(),
-        sum(|e| e.violations).into(),
+        violations.into(),
+        rate(violations).into(),
         sum(|e| e.cracks).into(),
         covering.into(),
         rate(covering).into(),
@@ -161,4 +172,29 @@ fn summary_line(rows: &[&Row]) -> Vec<Cell> {
         worst(|e| e.refined).into(),
         reasons.first().map_or(String::new(), |r| format!("refused: {r}")).into(),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::testing::{refused, row};
+
+    #[test]
+    fn failures_are_summed_and_errors_are_the_worst() {
+        let mut rows = vec![
+            row(Bound::Screen, Grid::Variable, 0.5, 1.0, 0.25),
+            row(Bound::Screen, Grid::Variable, 0.5, 1.0, 0.75),
+            refused(Bound::Screen, "no reason"),
+        ];
+        for (row, violations) in rows.iter_mut().zip([0, 2]) {
+            if let Outcome::Measured(m) = &mut row.outcome {
+                m.errors = m.errors.take().map(|e| Errors { checked: 500, violations, ..e });
+            }
+        }
+        let json = summary(&rows).json();
+        assert_eq!((&json[0]["shots"], &json[0]["refused"], &json[0]["checked"]), (&3.into(), &1.into(), &1000.into()));
+        assert_eq!((&json[0]["violations"], &json[0]["violations per 1e5"]), (&2.into(), &200.0.into()));
+        assert_eq!(json[0]["grid max px"], 0.75);
+        assert_eq!(findings(rows).tables[1].1.json().as_array().map(Vec::len), Some(1));
+    }
 }

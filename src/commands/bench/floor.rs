@@ -71,12 +71,12 @@ pub fn work(scene: &Scene, pixels: f64, counts: &Counts, refine: u32) -> Vec<Wor
         stage("estimate", leaves * (84.0 + points * 16.0) + meshlets * 16.0, leaves * (9.0 * 8.0 + points * 8.0)),
         // Nets in, vertices kept on chip; each line of a grid reduces the net to a curve, each vertex evaluates that.
         stage("evaluate", leaves * points * 16.0, meshlets * side * points * 8.0 + vertices * column * 8.0),
-        // One visibility word a drawn pixel out; set-up of a triangle 30 operations, 8 a covered pixel.
-        stage("rasterize", drawn * 8.0, counts.triangles as f64 * 30.0 + drawn * 8.0),
-        // Both buffers in, one out.
-        stage("fill", pixels * 24.0, pixels),
-        // Words in, colours out; a point with two tangents at every step, then the normal and two lights.
-        stage("shade", pixels * 12.0, drawn * ((f64::from(refine) + 1.0) * points * 3.0 * 8.0 + 100.0)),
+        // One visibility word a pixel out, background too; set-up of a triangle 30 operations, 8 a covered pixel.
+        stage("rasterize", pixels * 8.0, counts.triangles as f64 * 30.0 + drawn * 8.0),
+        // A pixel that is filled: its word and its neighbours' in, one out.
+        stage("fill", counts.filled as f64 * 88.0, counts.filled as f64 * 8.0),
+        // Words in, parameters and colours out; a point with two tangents at every step, then the normal and two lights.
+        stage("shade", pixels * 8.0 + drawn * 20.0, drawn * ((f64::from(refine) + 1.0) * points * 3.0 * 8.0 + 100.0)),
     ]
 }
 

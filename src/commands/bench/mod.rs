@@ -12,7 +12,8 @@ use super::sweep::SweepArgs;
 use super::{output, results};
 use crate::report::{self, Machine, Row, Table};
 use anyhow::Result;
-use std::path::PathBuf;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Run a suite of measurements
@@ -94,23 +95,32 @@ impl Findings {
     /// Prints the findings and writes them where that was asked for.
     fn publish(&self, args: &ResultArgs) -> Result<()> {
         if let Some(prefix) = &args.output {
-            results::write(prefix, ".md", &self.markdown(1))?;
+            results::write(prefix, ".md", &self.markdown())?;
             results::write(prefix, ".csv", &report::full(&self.rows).csv())?;
-            results::write(prefix, ".json", &(report::to_json(&self.rows)? + "\n"))?;
+            self.write_json(prefix)?;
         }
         if args.json {
-            return output::print_json(&serde_json::json!({ "suite": self.title, "rows": self.rows }));
+            return output::print_json(&self.json());
         }
-        output::print(self.markdown(1).trim_end())
+        output::print(self.markdown().trim_end())
     }
 
-    fn markdown(&self, level: usize) -> String {
-        let mut text = format!("{} {}\n\n{}\n", "#".repeat(level), self.title, self.about);
+    fn write_json(&self, prefix: &Path) -> Result<()> {
+        results::write(prefix, ".json", &(serde_json::to_string_pretty(&self.json())? + "\n"))
+    }
+
+    fn json(&self) -> Value {
+        let tables: Value = self.tables.iter().map(|(heading, table)| (heading.clone(), table.json())).collect();
+        json!({ "suite": self.title, "about": self.about, "tables": tables, "rows": self.rows })
+    }
+
+    fn markdown(&self) -> String {
+        let mut text = format!("# {}\n\n{}\n", self.title, self.about);
         if let Some(Row { machine: Machine { device, threads, commit, date }, .. }) = self.rows.first() {
             text += &format!("\nMeasured on {device} with {threads} threads, commit {commit}, {date}.\n");
         }
         for (heading, table) in self.tables.iter().filter(|(_, table)| !table.is_empty()) {
-            text += &format!("\n{} {heading}\n\n{}", "#".repeat(level + 1), table.markdown());
+            text += &format!("\n## {heading}\n\n{}", table.markdown());
         }
         text
     }

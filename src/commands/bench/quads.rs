@@ -110,3 +110,39 @@ fn reference(rows: &[Row], model: &str, grid: Grid, shots: &[&Shot], count: fn(&
     let sum: u64 = shots.iter().map(|shot| of(shot)).sum::<Option<u64>>()?;
     (sum > 0).then_some(sum as f64)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::testing::{refused, row};
+
+    /// A row in a view of its own, with 100 quads and 200 triangles times `scale`.
+    fn in_view(view: &str, bound: Bound, grid: Grid, scale: u64) -> Row {
+        let mut row = row(bound, grid, 0.5, 1.0, 0.1);
+        row.shot.view = view.into();
+        if let Outcome::Measured(m) = &mut row.outcome {
+            m.counts.quads *= scale;
+            m.counts.triangles *= scale;
+        }
+        row
+    }
+
+    #[test]
+    fn ratios_are_over_the_shots_that_were_drawn() {
+        let mut late = refused(Bound::Screen, "too large");
+        late.shot.view = "front".into();
+        let rows = [
+            in_view("iso", Bound::Screen, Grid::Variable, 1),
+            late,
+            in_view("iso", Bound::Eter, Grid::Variable, 4),
+            in_view("front", Bound::Eter, Grid::Variable, 90),
+            in_view("iso", Bound::Eter, Grid::Eter, 10),
+        ];
+        let json = ratios(&rows).json();
+        assert_eq!((&json[0]["quads / ETER's"], &json[0]["triangles / ETER's"]), (&0.25.into(), &0.1.into()));
+        assert_eq!(json[0]["note"], "refused: too large");
+        // ETER's own grids were not drawn in front.
+        assert_eq!(json[1]["quads / ETER's"], 1.0);
+        assert!(json[1]["triangles / ETER's"].is_null());
+    }
+}

@@ -2,8 +2,8 @@
 
 use super::{Effort, Findings, ResultArgs, floor, progress_bar};
 use crate::commands::args::FrameArgs;
-use crate::commands::measure::{Subject, Timed};
-use crate::report::{Measured, Outcome, Row, Spread, Table, name, peak_memory};
+use crate::commands::measure::{Run, Subject};
+use crate::report::{Counts, Measured, Outcome, Row, Spread, Table, name, peak_memory, stage_spreads};
 use crate::scene::Scene;
 use crate::stages::{Bound, Grid, Options, Renderer};
 use anyhow::{Context, Result};
@@ -66,28 +66,32 @@ pub fn run(args: &Args) -> Result<()> {
 fn alternate(args: &Args, scene: &Scene, ours: &Options, eter: &Options) -> Result<(Measured, Measured)> {
     let camera = args.frame.camera(scene)?;
     // Each keeps its own buffers, as it would alone.
-    let mut sides = [(Renderer::new(scene), ours, None::<Timed>), (Renderer::new(scene), eter, None)];
+    let mut sides = [ours, eter].map(|options| (Renderer::new(scene), options, Run::default()));
     let bar = progress_bar("timing");
     bar.set_length(u64::from(args.frames) + 1);
     for turn in 0..=args.frames {
-        for (renderer, options, timed) in &mut sides {
-            let start = Instant::now();
-            let frame = renderer.render(&camera, options)?;
-            let ms = start.elapsed().as_secs_f64() * 1e3;
-            if turn == 0 {
-                continue;
-            }
-            let (mut stats, mut total) = timed.take().map_or_else(Default::default, |t| (t.stats, t.total));
-            stats.push(frame.stats.clone());
-            total.push(ms);
-            *timed = Some(Timed { stats, total, frame });
+        for (renderer, options, run) in &mut sides {
+            run.draw(renderer, &camera, options, turn == 0);
         }
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let [(_, _, a), (_, _, b)] = sides;
-    let (a, b) = a.zip(b).context("no frame was timed")?;
-    Ok((a.measured(None), b.measured(None)))
+    let [a, b] = sides.map(|(_, _, run)| run);
+    Ok((measured(a)?, measured(b)?))
+}
+
+fn measured(run: Run) -> Result<Measured> {
+    if let Some(refused) = run.refused {
+        return Err(refused.into());
+    }
+    let last = run.stats.last().context("no frame was timed")?;
+    Ok(Measured {
+        frames: run.total.len(),
+        total: Spread::of(run.total.clone()),
+        stages: stage_spreads(&run.stats),
+        counts: Counts::from(last),
+        errors: None,
+    })
 }
 
 fn about(frame: &FrameArgs) -> String {

@@ -117,7 +117,7 @@ fn draw(frame: &FrameArgs, args: &Args) -> Result<Drawn> {
                 return Ok((subject.labelled(&view, &options, Outcome::Refused(refused.to_string())), None));
             }
         };
-        let errors = if args.samples > 0 { judge(&scene, &timed.frame, effort)? } else { None };
+        let errors = judge(&scene, &timed.frame, effort);
         let outcome = Outcome::Measured(Box::new(timed.measured(errors)));
         Ok((subject.labelled(&view, &options, outcome), Some(not_finite(&timed.frame))))
     })
@@ -127,9 +127,11 @@ fn draw(frame: &FrameArgs, args: &Args) -> Result<Drawn> {
 fn not_finite(frame: &Frame) -> [u64; 2] {
     let [width, height] = frame.camera.size;
     let mut counts = [0, 0];
-    for pixel in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter_map(|(x, y)| frame.pixel(x, y)) {
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        let Some(pixel) = frame.pixel(x, y) else { continue };
         let parameters = pixel.interpolated.iter().chain(&pixel.stored).all(|p| p.is_finite());
-        counts[0] += u64::from(!(parameters && pixel.depth.is_finite()));
+        let color = frame.color(x, y).iter().all(|c| c.is_finite());
+        counts[0] += u64::from(!(parameters && color && pixel.depth.is_finite()));
         counts[1] += 1;
     }
     counts

@@ -55,6 +55,7 @@ fn single([a, b, c]: [Vertex; 3], height: u32) -> Meshlets {
         quads: [1, 1],
         diagonal: 0,
         outer: 0b0100,
+        hidden: 0,
         rows: [0, height as u16],
     };
     // Corners (0,0), (0,1), (1,0), (1,1).

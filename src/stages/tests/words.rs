@@ -7,7 +7,16 @@ use std::collections::HashSet;
 fn shapes() -> impl Iterator<Item = Meshlet> {
     let sides = (1..=7).flat_map(|u| (1..=7).map(move |v| [u, v]));
     sides.flat_map(|quads| {
-        [0, 1].map(|diagonal| Meshlet { leaf: 0, vertices: 0, first: [0, 0], quads, diagonal, outer: 15, rows: [0, 0] })
+        [0, 1].map(|diagonal| Meshlet {
+            leaf: 0,
+            vertices: 0,
+            first: [0, 0],
+            quads,
+            diagonal,
+            outer: 15,
+            hidden: 0,
+            rows: [0, 0],
+        })
     })
 }
 

@@ -1,0 +1,172 @@
+//! Part of shade: which of the filled pixels were gaps, now that the exact surface is asked (DESIGN section 4,
+//! "Refinement").
+//!
+//! A gap between two grids is no gap of the surface: some patch lies exactly under its pixel's centre. A stroke that
+//! sticks out past the outline of a surface has none there.
+
+use super::fill::Filled;
+use super::frame::Targets;
+use super::interpolate::{corner_parameters, interpolate};
+use super::newton::{Batch, LANES};
+use super::shade::Shader;
+use super::topology::{depth_of, triangle_index, triangles, word};
+use rayon::prelude::*;
+
+/// Pixels between a pixel centre and a projected surface point that count as none.
+const EXACT: f32 = 1.0 / 128.0;
+/// What the contract allows a filled pixel.
+const HALF_PIXEL: f32 = 0.5;
+/// Rows of pixels that share a list of leaves.
+const STRIP: u32 = 8;
+
+/// A surface point under a pixel's centre.
+struct Hit {
+    /// Stored depth.
+    depth: f32,
+    /// Its triangle, as the lower half of a visibility word.
+    triangle: u64,
+    /// Leaf parameters.
+    parameters: [f32; 2],
+}
+
+/// Strokes: a pixel goes to the nearest surface exactly under its centre, where that is nearer than what N shows; else
+/// back to N.
+pub(super) fn settle(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Filled>) {
+    let strips = Strips::new(shader, filled);
+    let hits: Vec<Option<Hit>> = filled.par_iter().map(|f| nearest_hit(shader, &strips, f)).collect();
+    let mut hits = hits.into_iter();
+    filled.retain_mut(|f| {
+        let hit = hits.next().flatten();
+        targets.near[f.pixel as usize] =
+            hit.as_ref().map_or(f.near, |hit| u64::from(hit.depth.to_bits()) << 32 | hit.triangle);
+        f.start = hit.map(|hit| hit.parameters);
+        f.start.is_some()
+    });
+}
+
+/// Other ways to fill: what refinement leaves beyond half a pixel goes back to N.
+pub(super) fn refuse(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Filled>) {
+    let stays = |f: &Filled| shader.surfel(targets.near[f.pixel as usize], f).residual <= HALF_PIXEL;
+    let stays: Vec<bool> = filled.par_iter().map(stays).collect();
+    let mut stays = stays.into_iter();
+    filled.retain(|f| {
+        let stays = stays.next() == Some(true);
+        if !stays {
+            targets.near[f.pixel as usize] = f.near;
+        }
+        stays
+    });
+}
+
+fn nearest_hit(shader: &Shader, strips: &Strips, f: &Filled) -> Option<Hit> {
+    // N's own surface lies within the depth tolerance of its depth: only what is clearly nearer counts.
+    let behind = shader.nearer_by_tolerance(depth_of(f.near));
+    let in_front = strips.leaves(shader, f.pixel).filter(|&leaf| {
+        let nearest = shader.leaves[leaf as usize].low.z as f32;
+        shader.stored_depth(nearest) > behind
+    });
+    let hits = in_front.filter_map(|leaf| search(shader, leaf, f.pixel, behind));
+    // Equal depths go to the larger word, as everywhere.
+    hits.max_by(|a, b| a.depth.total_cmp(&b.depth).then(a.triangle.cmp(&b.triangle)))
+}
+
+/// The leaf's surface exactly under a pixel's centre that is nearest to the eye, and nearer than `behind`.
+///
+/// The grid is within half a pixel of the surface, parameter by parameter: whatever lies under the centre has its
+/// triangle that near, and refinement from that triangle finds it.
+fn search(shader: &Shader, number: u32, pixel: u32, behind: f32) -> Option<Hit> {
+    let mut surface = shader.surface(number);
+    surface.any_sheet = true;
+    let quads = shader.grids[number as usize].quads;
+    let [x, y] = shader.target(&shader.leaves[number as usize], pixel);
+    let width = shader.lens.size[0];
+    // From the nearest point and from the corners: a triangle seen edge-on may hide a fold.
+    let starts: Vec<([f32; 2], u64)> = triangles_near(shader, number, pixel)
+        .into_iter()
+        .flat_map(|word| {
+            let nearest = interpolate(shader.meshlets, quads, word, pixel % width, pixel / width);
+            let corners = corner_parameters(shader.meshlets, quads, word);
+            [nearest, corners[0], corners[1], corners[2]].map(|start| (start, word))
+        })
+        .collect();
+    let mut best: Option<Hit> = None;
+    for starts in starts.chunks(LANES) {
+        let mut batch = Batch { x: [x; LANES], y: [y; LANES], ..Batch::default() };
+        for k in 0..LANES {
+            [batch.s[k], batch.t[k]] = starts[k.min(starts.len() - 1)].0;
+        }
+        shader.refine(&surface, shader.options.refine, &mut batch);
+        for (k, &(_, triangle)) in starts.iter().enumerate().filter(|&(k, _)| batch.residual[k] <= EXACT) {
+            let depth = shader.stored_depth(surface.depth_origin + batch.z[k]);
+            if depth > behind && best.as_ref().is_none_or(|b| (depth, triangle) > (b.depth, b.triangle)) {
+                best = Some(Hit { depth, triangle, parameters: [batch.s[k], batch.t[k]] });
+            }
+        }
+    }
+    best
+}
+
+/// The leaf's triangles whose boxes come within half a pixel of a pixel's centre, as words without depth.
+fn triangles_near(shader: &Shader, leaf: u32, pixel: u32) -> Vec<u64> {
+    const STEP: i32 = super::evaluate::SUBPIXELS;
+    let width = shader.lens.size[0];
+    let center = [pixel % width, pixel / width].map(|c| c as i32 * STEP + STEP / 2);
+    let meshlets = &shader.meshlets.meshlets;
+    let first = meshlets.partition_point(|m| m.leaf < leaf);
+    let mut found = Vec::new();
+    for (number, meshlet) in meshlets.iter().enumerate().skip(first).take_while(|(_, m)| m.leaf == leaf) {
+        for (a, b) in
+            (0..usize::from(meshlet.quads[0])).flat_map(|a| (0..usize::from(meshlet.quads[1])).map(move |b| (a, b)))
+        {
+            for (k, corners) in triangles(a, b, meshlet.diagonal).into_iter().enumerate() {
+                let v = corners.map(|[i, j]| shader.meshlets.vertices[meshlet.vertex(i, j)]);
+                let near = |low: i32, high: i32, c: i32| low - STEP / 2 <= c && c <= high + STEP / 2;
+                let (x, y) = (v.map(|v| v.x), v.map(|v| v.y));
+                if near(x[0].min(x[1]).min(x[2]), x[0].max(x[1]).max(x[2]), center[0])
+                    && near(y[0].min(y[1]).min(y[2]), y[0].max(y[1]).max(y[2]), center[1])
+                {
+                    found.push(word(0.0, number as u32, triangle_index(meshlet, a, b) + k as u32));
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Leaves by strips of rows, for the strips that have filled pixels.
+struct Strips {
+    lists: Vec<Vec<u32>>,
+}
+
+impl Strips {
+    fn new(shader: &Shader, filled: &[Filled]) -> Self {
+        let [width, height] = shader.lens.size;
+        let mut wanted = vec![false; height.div_ceil(STRIP) as usize];
+        for f in filled {
+            wanted[(f.pixel / width / STRIP) as usize] = true;
+        }
+        let mut lists = vec![Vec::new(); wanted.len()];
+        let half = shader.lens.half(1);
+        for (k, leaf) in shader.leaves.iter().enumerate() {
+            let row = |y: f64| ((y + half) / f64::from(STRIP)).clamp(0.0, wanted.len() as f64 - 1.0) as usize;
+            for strip in (row(leaf.low.y - 1.0)..=row(leaf.high.y + 1.0)).filter(|&s| wanted[s]) {
+                lists[strip].push(k as u32);
+            }
+        }
+        Self { lists }
+    }
+
+    /// Leaves whose box holds the pixel's centre.
+    fn leaves<'a>(&'a self, shader: &'a Shader, pixel: u32) -> impl Iterator<Item = u32> + 'a {
+        let width = shader.lens.size[0];
+        let center = [pixel % width, pixel / width];
+        let center: [f64; 2] = std::array::from_fn(|k| f64::from(center[k]) + 0.5 - shader.lens.half(k));
+        self.lists[(pixel / width / STRIP) as usize].iter().copied().filter(move |&leaf| {
+            let leaf = &shader.leaves[leaf as usize];
+            (0..2).all(|k| {
+                let slack = f64::from(EXACT);
+                leaf.low[k] - slack <= center[k] && center[k] <= leaf.high[k] + slack
+            })
+        })
+    }
+}
