@@ -19,21 +19,23 @@ pub enum BuiltinError {
 
 /// The names [`builtin`] knows.
 pub fn names() -> Vec<String> {
-    let plain = ["teapot", "sphere", "torus", "cylinder", "stress"].map(String::from);
+    let plain = ["teapot", "sphere", "torus", "cylinder", "drum", "stress"].map(String::from);
     plain.into_iter().chain(stress::names().into_iter().map(|name| format!("stress:{name}"))).collect()
 }
 
 /// A built-in model by name.
 ///
 /// `teapot` is Newell's, 32 bicubic patches, its base at z = 0; `sphere` has radius 1, `torus` radii 1 and 0.4,
-/// `cylinder` radius 1 and height 2, all about the origin; `stress` is a table of small hard cases and `stress:NAME`
+/// `cylinder` (the surface: a tube) and `drum` (the body: closed by discs) radius 1 and height 2, all about the origin;
+/// `stress` is a table of small hard cases and `stress:NAME`
 /// one hard case alone.
 pub fn builtin(name: &str) -> Result<Model, BuiltinError> {
     let part = match name {
         "teapot" => Some(teapot::teapot()),
         "sphere" => Some(closed("sphere", vec![sphere(1.0)])),
         "torus" => Some(closed("torus", vec![torus(1.0, 0.4)])),
-        "cylinder" => Some(closed("cylinder", cylinder(1.0, 1.0))),
+        "cylinder" => Some(part("cylinder", Solidity::Open, vec![drum(1.0, 1.0).swap_remove(1).into()])),
+        "drum" => Some(closed("drum", drum(1.0, 1.0))),
         "stress" => return Ok(stress::table()),
         _ => name.strip_prefix("stress:").and_then(stress::part_of),
     };
@@ -58,8 +60,8 @@ fn torus(major: f64, minor: f64) -> Vec<PatchPiece> {
     exact::torus(&Frame::IDENTITY, major, minor, [FULL, FULL])
 }
 
-/// Side, top and bottom, all as revolutions so that they share their edges bit for bit.
-fn cylinder(radius: f64, half_height: f64) -> Vec<Vec<PatchPiece>> {
+/// Bottom, side and top, all as revolutions so that they share their edges bit for bit.
+fn drum(radius: f64, half_height: f64) -> Vec<Vec<PatchPiece>> {
     let point = |r: f64, z: f64| DVec3::new(r, 0.0, z);
     let profile =
         [point(0.0, -half_height), point(radius, -half_height), point(radius, half_height), point(0.0, half_height)];
@@ -111,7 +113,7 @@ mod tests {
     #[test]
     fn closed_models_face_outward() {
         use std::f64::consts::PI;
-        for (name, volume) in [("sphere", 4.0 / 3.0 * PI), ("torus", 2.0 * PI * PI * 0.16), ("cylinder", 2.0 * PI)] {
+        for (name, volume) in [("sphere", 4.0 / 3.0 * PI), ("torus", 2.0 * PI * PI * 0.16), ("drum", 2.0 * PI)] {
             let model = builtin(name).expect(name);
             assert_eq!(model.parts[0].solidity, Solidity::Solid);
             let found = six_volumes(&model.parts[0]) / 6.0;

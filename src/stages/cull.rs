@@ -278,34 +278,34 @@ impl<'a> Culler<'a> {
         usize::from(v > u)
     }
 
-    /// Which way `S_u x S_v` points where it can't be seen: 1 away from the eye, -1 towards it, 0 where both can.
-    fn hidden_side(&self, patch: &Patch) -> i8 {
-        match (self.options.cull, self.scene.faces[patch.face as usize].sides) {
+    /// Which way a face's visible side lies: 1 along `S_u x S_v`, -1 against it, 0: both sides can be seen.
+    fn visible_side(&self, patch: &Patch) -> i8 {
+        let sides = self.scene.faces[patch.face as usize].sides;
+        match (self.options.cull, sides) {
             (Cull::Off, _) | (Cull::Auto, Sides::Both) => 0,
-            // Cut open, a solid shows its inside.
             (Cull::Auto, _) if !self.whole => 0,
-            (Cull::Auto | Cull::On, Sides::Inside) => -1,
-            (Cull::Auto, Sides::Outside) | (Cull::On, _) => 1,
+            (_, Sides::Inside) => -1,
+            _ => 1,
         }
     }
 
-    /// On a solid's patch: the sign of the screen area, in parameter order, of what faces away. x is right, y down and
-    /// z away from the eye: normals that point away have a positive one. A mirroring instance turns parameters round.
+    /// The sign of the screen area, in parameter order, of what faces away. x is right, y down and z away from the eye:
+    /// normals that point away have a positive one. A mirroring instance turns it round.
     fn hidden_sign(&self, patch: &Patch, map: &PatchMap) -> i8 {
         let [x, y, z] = map.axes;
-        let hidden = self.hidden_side(patch);
-        if x.cross(y).dot(z) < 0.0 { -hidden } else { hidden }
+        let side = self.visible_side(patch);
+        if x.cross(y).dot(z) < 0.0 { -side } else { side }
     }
 
-    /// All of a solid's patch faces away from the eye. Seen from its own coordinates a solid looks the same however its
-    /// instance stretches or mirrors it.
+    /// All of a solid's patch faces away from an eye that is outside.
     fn is_back_patch(&self, patch: &Patch, map: &PatchMap) -> bool {
         let cone = &patch.cone;
-        let hidden = self.hidden_side(patch);
-        if hidden == 0 || cone.cos_angle <= 0.0 {
+        let side = self.visible_side(patch);
+        if side == 0 || cone.cos_angle <= 0.0 {
             return false;
         }
-        let axis = cone.axis * f64::from(hidden);
+        // Seen from its own coordinates a solid looks the same however its instance stretches or mirrors it.
+        let axis = cone.axis * f64::from(side);
         let cone_angle = cone.cos_angle.clamp(-1.0, 1.0).acos();
         let (towards, spread) = if self.lens.perspective {
             match direction_cone(self.scene.net(patch), map) {

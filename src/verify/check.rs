@@ -45,6 +45,11 @@ struct Samples<'a> {
     rays: [OnceCell<Vec<Hit>>; SIDE * SIDE],
 }
 
+/// Parameters nearer than this are on one sheet.
+const NEXT_TO: f64 = 1e-4;
+/// Points looked at on the way from one parameter to another.
+const WAY_POINTS: u32 = 16;
+
 /// A face of an instance.
 type FaceKey = (u32, u32);
 
@@ -100,10 +105,29 @@ impl Check<'_> {
         if pixel.filled { depth } else { depth.max(self.oracle.camera().camera_depth(f64::from(pixel.depth))) }
     }
 
-    /// The centre ray meets the shown patch, visible or not.
+    /// The centre ray meets the shown patch on the sheet that is shown: the straight way from the stored parameter to
+    /// the meeting stays within a pixel of the centre and crosses no silhouette. (A ray may meet the same patch again
+    /// elsewhere; refinement must not go there.)
     fn meets(&self, pixel: &Pixel, samples: &Samples) -> bool {
-        samples.ray(0).iter().any(|h| h.instance == pixel.instance && h.patch == pixel.patch)
-            || self.oracle.meets(samples.center, pixel.instance, pixel.patch)
+        let shown = |h: &&Hit| h.instance == pixel.instance && h.patch == pixel.patch;
+        let same_sheet = |h: &Hit| self.is_same_sheet(pixel, samples.center, [h.u, h.v]);
+        // The visible hits are known already.
+        samples.ray(0).iter().filter(shown).any(same_sheet)
+            || self.oracle.meetings(samples.center, pixel.instance, pixel.patch).iter().any(same_sheet)
+    }
+
+    fn is_same_sheet(&self, pixel: &Pixel, center: DVec2, hit: [f64; 2]) -> bool {
+        let way = DVec2::from_array(hit) - DVec2::from_array(pixel.stored);
+        if way.abs().max_element() < NEXT_TO {
+            return true;
+        }
+        let facing = |uv| self.oracle.facing(pixel.instance, pixel.patch, uv);
+        let side = facing(pixel.stored).1;
+        (0..=WAY_POINTS).all(|k| {
+            let uv = DVec2::from_array(pixel.stored) + way * (f64::from(k) / f64::from(WAY_POINTS));
+            let (place, here) = facing(uv.to_array());
+            (place - center).abs().max_element() <= 1.0 && (here == side || k == WAY_POINTS)
+        })
     }
 
     /// Some point of the shown face in the pixel's closed square is visible to within delta: at the centre, at the

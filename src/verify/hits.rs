@@ -129,18 +129,30 @@ impl<'a> Oracle<'a> {
         hits.into_iter().map(|(drawn, meeting)| self.hit(drawn, &meeting)).collect()
     }
 
-    /// Whether the ray through the image point meets this patch at all.
-    pub(super) fn meets(&self, point: DVec2, instance: u32, patch: u32) -> bool {
+    /// All meetings of the ray through the image point with one patch, hidden or not.
+    pub(super) fn meetings(&self, point: DVec2, instance: u32, patch: u32) -> Vec<Hit> {
         let pixel = point - self.view.camera().center();
         let mut found = Vec::new();
         self.hierarchy.visit(pixel, RESOLUTION, |leaf, _| {
             let leaf = &self.leaves[leaf as usize];
             let drawn = &self.drawn[leaf.drawn as usize];
-            if found.is_empty() && drawn.instance == instance && drawn.patch == patch {
-                self.meet(leaf, pixel, &mut found);
+            if drawn.instance == instance && drawn.patch == patch {
+                let mut meetings = Vec::new();
+                self.meet(leaf, pixel, &mut meetings);
+                found.extend(meetings.iter().map(|m| self.hit(leaf.drawn, m)));
             }
         });
-        !found.is_empty()
+        found
+    }
+
+    /// Where a point of a patch lies in the image, and the sign of the map from (u, v) to the image there: which side
+    /// of the surface faces the eye.
+    pub(super) fn facing(&self, instance: u32, patch: u32, [u, v]: [f64; 2]) -> (DVec2, f64) {
+        let jet = self.view.drawn(self.scene, instance, patch).jet(self.scene, u, v);
+        let pixel = self.view.pixel(jet.point);
+        let along = |d: DVec4| d.truncate().truncate() - pixel * self.view.divisor(d);
+        // Both tangents are short of the same positive factor 1/D.
+        (pixel + self.view.camera().center(), along(jet.du).perp_dot(along(jet.dv)).signum())
     }
 
     /// Where a surface point lies in the image; `None` without such a patch, or where it has no pixel.

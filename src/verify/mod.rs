@@ -25,6 +25,8 @@
 //! - A face is a `SceneFace` of an instance. It covers a pixel where it is visible at a sub-sample, at the stored or
 //!   the interpolated point, or on one of 17x17 rays. A sliver thinner than all these that the frame does not show
 //!   itself would be missed, and reported as a failure.
+//! - The refined error counts where the centre ray meets the shown patch on the sheet that is shown: a ray may meet the
+//!   patch again elsewhere, beyond a silhouette, and refinement must not go there.
 //! - The errors are the larger of |x| and |y|; parameters that are no point of the instance's patches count as
 //!   `f64::MAX`.
 //!

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DVec3, DVec4};
 use halfpixel::scene::{
-    Bounds, Camera, Enclosure, NormalCone, Patch, Projection, Scene, SceneFace, SceneInstance, ViewSpec,
+    Bounds, Camera, Enclosure, NormalCone, Patch, Projection, Scene, SceneFace, SceneInstance, Sides, ViewSpec,
 };
 
 /// A net and the face it belongs to.
@@ -42,7 +42,8 @@ pub fn scene(parts: &[Part], offset: DVec3) -> Scene {
         });
     }
     let faces = parts.iter().map(|p| p.face).max().unwrap_or(0) + 1;
-    scene.faces = (0..faces).map(|id| SceneFace { id, name: String::new(), color: [0.5; 3], solid: false }).collect();
+    scene.faces =
+        (0..faces).map(|id| SceneFace { id, name: String::new(), color: [0.5; 3], sides: Sides::Both }).collect();
     scene.instances = vec![SceneInstance { patches: 0..parts.len(), transform: DAffine3::IDENTITY, color: None }];
     scene.bounds = Bounds { low: low + offset, high: high + offset };
     scene

@@ -142,7 +142,7 @@ fn patches_of_a_solid_that_face_the_eye_are_kept() {
     let mut random = Random(10);
     let mut dropped = 0;
     for k in 0..300 {
-        let scene = solid(&mut random, ["sphere", "torus", "cylinder"][k % 3]);
+        let scene = solid(&mut random, ["sphere", "torus", "drum"][k % 3]);
         let eye = scene.bounds.center() + point(&mut random, 1.0).normalize() * scene.bounds.radius() * 3.0;
         let spec = ViewSpec { size: [64, 64], orthographic: k % 2 == 0, eye: Some(eye), ..ViewSpec::default() };
         let camera = ViewSpec { fov: 60.0, ..spec }.camera(&scene.bounds).expect("a camera");
@@ -170,7 +170,7 @@ fn patches_of_a_solid_that_face_the_eye_are_kept() {
 fn the_inside_of_a_solid_is_kept() {
     let mut random = Random(11);
     for k in 0..60 {
-        let scene = prepare(&builtin(["sphere", "cylinder"][k % 2]).expect("a built-in"), &|_, _| {}).expect("a scene");
+        let scene = prepare(&builtin(["sphere", "drum"][k % 2]).expect("a built-in"), &|_, _| {}).expect("a scene");
         let eye = Some(point(&mut random, 0.5));
         let spec = ViewSpec { size: [64, 48], orthographic: k / 2 % 2 == 0, eye, ..ViewSpec::default() };
         let spec = ViewSpec { target: Some(point(&mut random, 5.0)), ..spec };

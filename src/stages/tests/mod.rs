@@ -53,9 +53,9 @@ fn single([a, b, c]: [Vertex; 3], height: u32) -> Meshlets {
         vertices: 0,
         first: [0, 0],
         quads: [1, 1],
+        hidden: 0,
         diagonal: 0,
         outer: 0b0100,
-        hidden: 0,
         rows: [0, height as u16],
     };
     // Corners (0,0), (0,1), (1,0), (1,1).

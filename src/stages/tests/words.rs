@@ -13,8 +13,8 @@ fn shapes() -> impl Iterator<Item = Meshlet> {
             first: [0, 0],
             quads,
             diagonal,
-            outer: 15,
             hidden: 0,
+            outer: 15,
             rows: [0, 0],
         })
     })
