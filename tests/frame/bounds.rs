@@ -107,3 +107,16 @@ fn a_larger_tolerance_is_seen() {
     }
     assert!(wrong > 100, "{wrong}");
 }
+
+/// A flat patch most of which lies within a millionth of v = 1: too little for one grid's f32 parameters.
+#[test]
+fn parameters_of_steep_weights_stay_exact_enough() {
+    let weights = [1e3, 1e-3];
+    let corner = |k: usize| (DVec3::new((k / 2) as f64, (k % 2) as f64, 0.0) * weights[k % 2]).extend(weights[k % 2]);
+    let patch = BezierPatch::new("steep", [1, 1], (0..4).map(corner).collect()).expect("a good patch");
+    let scene = single(patch);
+    for bound in [Bound::Screen, Bound::Filip, Bound::Projective] {
+        let [drawn, wrong] = count(&scene, ViewSpec { size: [640, 480], ..ViewSpec::default() }, bound);
+        assert!(drawn > 10_000 && wrong == 0, "{bound:?}: {wrong} of {drawn}");
+    }
+}
