@@ -123,7 +123,8 @@ impl<'a> Renderer<'a> {
         let meshlets = self.evaluate(&lens, options, &leaves, &grids)?;
         clock.stage("evaluate");
         let mut targets = self.take_targets(camera.size);
-        let pens: Vec<Pen> = leaves.leaves.iter().map(|leaf| Pen::new(leaf, options.tolerance)).collect();
+        let pens: Vec<Pen> =
+            leaves.leaves.iter().map(|leaf| Pen::new(leaf, options.tolerance, options.refine > 0)).collect();
         rasterize(&meshlets, &pens, options.fill, camera.size, &mut targets);
         clock.stage("rasterize");
         let mut filled = fill(&meshlets, options, camera.size, &mut targets);

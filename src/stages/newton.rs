@@ -59,7 +59,7 @@ struct Point<S: Simd> {
 /// Refines a batch in place with at most `rounds` regular rounds.
 #[simd]
 pub(super) fn refine<S: Simd>(simd: S, surface: &Surface, rounds: u32, batch: &mut Batch) {
-    // Array sizes are fixed at compile time: small ones stay in registers and cache.
+    // Sizes are fixed at compile time: up to bicubic, everything unrolls and stays in registers.
     match surface.degree[0].max(surface.degree[1]) {
         0..=3 => refine_sized::<S, 4>(simd, surface, rounds, batch),
         4..=7 => refine_sized::<S, 8>(simd, surface, rounds, batch),
@@ -69,13 +69,12 @@ pub(super) fn refine<S: Simd>(simd: S, surface: &Surface, rounds: u32, batch: &m
 
 #[simd]
 fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32, batch: &mut Batch) {
+    let cubic = if N == 4 { Cubic::new(surface) } else { Cubic::default() };
     let (x, y) = (f32x8::from_slice(simd, &batch.x), f32x8::from_slice(simd, &batch.y));
     let (mut s, mut t) = (f32x8::from_slice(simd, &batch.s), f32x8::from_slice(simd, &batch.t));
-    let mut point = point::<S, N>(simd, surface, s, t);
+    let mut point = evaluate::<S, N>(simd, surface, &cubic, s, t);
     let mut residual = (x - point.x).abs().max((y - point.y).abs());
     let facing = jacobian(simd, &point);
-    let depth = point.z;
-    let slack = slope_allowance(simd, surface, &point, x, y);
     let mut round = 0;
     while round < rounds * STRAGGLER_ROUNDS {
         let open = residual.simd_gt(f32x8::splat(simd, CONVERGED));
@@ -83,10 +82,12 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
             break;
         }
         let before = residual;
+        let depth = point.z;
+        let slack = slope_allowance(simd, surface, &point, x, y);
         let (mut ns, mut nt) = step(simd, surface, &point, s, t, x, y);
         let mut pending = open;
         for _ in 0..=HALVINGS {
-            let next = self::point::<S, N>(simd, surface, ns, nt);
+            let next = evaluate::<S, N>(simd, surface, &cubic, ns, nt);
             let r = (x - next.x).abs().max((y - next.y).abs());
             // Another sheet, or the other side of a silhouette, is not this pixel's surface.
             let same_side = (jacobian(simd, &next) * facing).simd_ge(f32x8::splat(simd, 0.0));
@@ -196,6 +197,78 @@ fn merge<S: Simd>(take: mask32x8<S>, a: Point<S>, b: Point<S>) -> Point<S> {
         ds: three(a.ds, b.ds),
         dt: three(a.dt, b.dt),
         normal: three(a.normal, b.normal),
+    }
+}
+
+#[simd]
+fn evaluate<S: Simd, const N: usize>(simd: S, surface: &Surface, cubic: &Cubic, s: f32x8<S>, t: f32x8<S>) -> Point<S> {
+    if N == 4 { cubic_point(simd, surface, cubic, s, t) } else { point::<S, N>(simd, surface, s, t) }
+}
+
+/// A net of degree up to 3 x 3, padded with zeros, a coordinate at a time.
+#[derive(Default)]
+struct Cubic([[f32; 16]; 4]);
+
+impl Cubic {
+    fn new(surface: &Surface) -> Self {
+        let mut net = [[0.0; 16]; 4];
+        for (i, row) in surface.net.chunks_exact(surface.degree[1] + 1).enumerate() {
+            for (j, point) in row.iter().enumerate() {
+                for (c, coordinate) in net.iter_mut().enumerate() {
+                    coordinate[4 * i + j] = point[c];
+                }
+            }
+        }
+        Self(net)
+    }
+}
+
+#[simd]
+fn cubic_point<S: Simd>(simd: S, surface: &Surface, cubic: &Cubic, s: f32x8<S>, t: f32x8<S>) -> Point<S> {
+    let [m, n] = surface.degree;
+    let (bu, du) = cubic_basis(simd, m, s);
+    let (bv, dv) = cubic_basis(simd, n, t);
+    let zero = f32x8::splat(simd, 0.0);
+    let (mut p, mut ps, mut pt) = ([zero; 4], [zero; 4], [zero; 4]);
+    // Polynomial nets have one weight; its derivatives are zero.
+    p[3] = f32x8::splat(simd, cubic.0[3][0]);
+    let used = if surface.rational { 4 } else { 3 };
+    for c in 0..used {
+        let q = &cubic.0[c];
+        let (mut sum, mut sum_s, mut sum_t) = (zero, zero, zero);
+        for i in 0..4 {
+            let (mut value, mut derivative) = (zero, zero);
+            for j in 0..4 {
+                let q = f32x8::splat(simd, q[4 * i + j]);
+                value += bv[j] * q;
+                derivative += dv[j] * q;
+            }
+            sum += bu[i] * value;
+            sum_s += du[i] * value;
+            sum_t += bu[i] * derivative;
+        }
+        p[c] = sum;
+        ps[c] = sum_s;
+        pt[c] = sum_t;
+    }
+    divide(simd, surface, p, ps, pt)
+}
+
+/// Values and derivatives of the Bernstein polynomials of degree 1, 2 or 3; those beyond the degree are zero.
+#[simd]
+fn cubic_basis<S: Simd>(simd: S, degree: usize, t: f32x8<S>) -> ([f32x8<S>; 4], [f32x8<S>; 4]) {
+    let zero = f32x8::splat(simd, 0.0);
+    let one = f32x8::splat(simd, 1.0);
+    let r = one - t;
+    match degree {
+        0 => ([one, zero, zero, zero], [zero; 4]),
+        1 => ([r, t, zero, zero], [-one, one, zero, zero]),
+        2 => ([r * r, r * t * 2.0, t * t, zero], [r * -2.0, (r - t) * 2.0, t * 2.0, zero]),
+        _ => {
+            let (rr, rt, tt) = (r * r, r * t, t * t);
+            let values = [rr * r, rt * r * 3.0, rt * t * 3.0, tt * t];
+            (values, [rr * -3.0, (rr - rt * 2.0) * 3.0, (rt * 2.0 - tt) * 3.0, tt * 3.0])
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use super::Fill;
 use super::evaluate::{Meshlet, Meshlets, SUBPIXELS, Vertex};
 use super::frame::Targets;
 use super::stroke::{self, Pen};
-use super::topology::{edge, edge_index, triangle_index, triangles, word};
+use super::topology::{FOLD, edge, edge_index, triangle_index, triangles, word};
 use rayon::prelude::*;
 
 /// Rows of pixels one task draws: a band of both buffers stays in the second-level cache.
@@ -107,6 +107,9 @@ fn draw(meshlets: &Meshlets, number: u32, pens: &[Pen], fill: Fill, band: &mut B
         return;
     }
     let pen = &pens[meshlet.leaf as usize];
+    if pen.fold > 0 {
+        folds(meshlets, number, pen, band);
+    }
     for side in (0..4).filter(|side| meshlet.outer >> side & 1 == 1) {
         for k in 0..if side < 2 { across_v } else { across_u } {
             let corners = edge(meshlet, side, k).map(at);
@@ -116,6 +119,38 @@ fn draw(meshlets: &Meshlets, number: u32, pens: &[Pen], fill: Fill, band: &mut B
                 continue;
             }
             stroke::stroke(&corners, pen, word(0.0, number, edge_index(side, k)), band);
+        }
+    }
+}
+
+/// Strokes along the grid's silhouette: edges between a triangle that faces the eye and one that does not.
+fn folds(meshlets: &Meshlets, number: u32, pen: &Pen, band: &mut Band) {
+    let meshlet = &meshlets.meshlets[number as usize];
+    let at = |[i, j]: [usize; 2]| meshlets.vertices[meshlet.vertex(i, j)];
+    let facing = |[a, b, c]: [Vertex; 3]| {
+        let (ux, uy) = (i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y));
+        let (vx, vy) = (i64::from(c.x) - i64::from(a.x), i64::from(c.y) - i64::from(a.y));
+        (ux * vy - uy * vx).signum()
+    };
+    let [across_u, across_v] = meshlet.quads.map(usize::from);
+    let of = |a: usize, b: usize| triangles(a, b, meshlet.diagonal).map(|corners| facing(corners.map(at)));
+    let id = word(0.0, number, FOLD);
+    let mut stroke = |a: [usize; 2], b: [usize; 2]| stroke::fold(&at(a), &at(b), pen, id, band);
+    for a in 0..across_u {
+        for b in 0..across_v {
+            let [first, second] = of(a, b);
+            let main = meshlet.diagonal == 0;
+            if first != second {
+                if main { stroke([a, b], [a + 1, b + 1]) } else { stroke([a + 1, b], [a, b + 1]) }
+            }
+            // The triangle on side v = 1 is always the second, on v = 0 the first; u = 1 and u = 0 go by the diagonal.
+            if b + 1 < across_v && second != of(a, b + 1)[0] {
+                stroke([a, b + 1], [a + 1, b + 1]);
+            }
+            let (right, left) = if main { (first, 1) } else { (second, 0) };
+            if a + 1 < across_u && right != of(a + 1, b)[left] {
+                stroke([a + 1, b], [a + 1, b + 1]);
+            }
         }
     }
 }

@@ -4,6 +4,7 @@
 //! A gap between two grids is no gap of the surface: some patch lies exactly under its pixel's centre. A stroke that
 //! sticks out past the outline of a surface has none there.
 
+use super::evaluate::{SUBPIXELS, Vertex};
 use super::fill::Filled;
 use super::frame::Targets;
 use super::interpolate::{corner_parameters, interpolate};
@@ -16,6 +17,8 @@ use rayon::prelude::*;
 const EXACT: f32 = 1.0 / 128.0;
 /// What the contract allows a filled pixel.
 const HALF_PIXEL: f32 = 0.5;
+/// Half a pixel in sub-pixels.
+const HALF: i64 = SUBPIXELS as i64 / 2;
 /// Rows of pixels that share a list of leaves.
 const STRIP: u32 = 8;
 
@@ -61,11 +64,8 @@ pub(super) fn refuse(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fi
 fn nearest_hit(shader: &Shader, strips: &Strips, f: &Filled) -> Option<Hit> {
     // N's own surface lies within the depth tolerance of its depth: only what is clearly nearer counts.
     let behind = shader.nearer_by_tolerance(depth_of(f.near));
-    let in_front = strips.leaves(shader, f.pixel).filter(|&leaf| {
-        let nearest = shader.leaves[leaf as usize].low.z as f32;
-        shader.stored_depth(nearest) > behind
-    });
-    let hits = in_front.filter_map(|leaf| search(shader, leaf, f.pixel, behind));
+    let leaves = strips.leaves(shader, f.pixel, behind);
+    let hits = leaves.filter_map(|leaf| search(shader, leaf, f.pixel, behind));
     // Equal depths go to the larger word, as everywhere.
     hits.max_by(|a, b| a.depth.total_cmp(&b.depth).then(a.triangle.cmp(&b.triangle)))
 }
@@ -106,11 +106,10 @@ fn search(shader: &Shader, number: u32, pixel: u32, behind: f32) -> Option<Hit> 
     best
 }
 
-/// The leaf's triangles whose boxes come within half a pixel of a pixel's centre, as words without depth.
+/// The leaf's triangles that come within half a pixel of a pixel's centre, as words without depth.
 fn triangles_near(shader: &Shader, leaf: u32, pixel: u32) -> Vec<u64> {
-    const STEP: i32 = super::evaluate::SUBPIXELS;
     let width = shader.lens.size[0];
-    let center = [pixel % width, pixel / width].map(|c| c as i32 * STEP + STEP / 2);
+    let center = [pixel % width, pixel / width].map(|c| (2 * i64::from(c) + 1) * HALF);
     let meshlets = &shader.meshlets.meshlets;
     let first = meshlets.partition_point(|m| m.leaf < leaf);
     let mut found = Vec::new();
@@ -120,11 +119,7 @@ fn triangles_near(shader: &Shader, leaf: u32, pixel: u32) -> Vec<u64> {
         {
             for (k, corners) in triangles(a, b, meshlet.diagonal).into_iter().enumerate() {
                 let v = corners.map(|[i, j]| shader.meshlets.vertices[meshlet.vertex(i, j)]);
-                let near = |low: i32, high: i32, c: i32| low - STEP / 2 <= c && c <= high + STEP / 2;
-                let (x, y) = (v.map(|v| v.x), v.map(|v| v.y));
-                if near(x[0].min(x[1]).min(x[2]), x[0].max(x[1]).max(x[2]), center[0])
-                    && near(y[0].min(y[1]).min(y[2]), y[0].max(y[1]).max(y[2]), center[1])
-                {
+                if touches(&v, center) {
                     found.push(word(0.0, number as u32, triangle_index(meshlet, a, b) + k as u32));
                 }
             }
@@ -133,9 +128,37 @@ fn triangles_near(shader: &Shader, leaf: u32, pixel: u32) -> Vec<u64> {
     found
 }
 
-/// Leaves by strips of rows, for the strips that have filled pixels.
+/// The triangle meets the square of half a pixel about a point: separating axes are the square's sides and the three
+/// edges' normals.
+fn touches(v: &[Vertex; 3], center: [i64; 2]) -> bool {
+    let apart = |a: i64, b: i64, c: i64, at: i64| a.min(b).min(c) > at + HALF || a.max(b).max(c) < at - HALF;
+    let p = v.map(|v| [i64::from(v.x), i64::from(v.y)]);
+    if (0..2).any(|k| apart(p[0][k], p[1][k], p[2][k], center[k])) {
+        return false;
+    }
+    let (ux, uy, vx, vy) = (p[1][0] - p[0][0], p[1][1] - p[0][1], p[2][0] - p[0][0], p[2][1] - p[0][1]);
+    let side = (ux * vy - uy * vx).signum();
+    (0..3).all(|k| {
+        let (a, b) = (p[k], p[(k + 1) % 3]);
+        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+        let e = side * (dx * (center[1] - a[1]) - dy * (center[0] - a[0]));
+        e >= -HALF * (dx.abs() + dy.abs())
+    })
+}
+
+/// Leaves by strips of rows, for the strips that have filled pixels; boxes beside the numbers, since they are looked at
+/// for every filled pixel.
 struct Strips {
-    lists: Vec<Vec<u32>>,
+    lists: Vec<Vec<Entry>>,
+}
+
+/// A leaf's box in pixels about the image centre, and its nearest stored depth.
+#[derive(Clone, Copy)]
+struct Entry {
+    leaf: u32,
+    low: [f32; 2],
+    high: [f32; 2],
+    nearest: f32,
 }
 
 impl Strips {
@@ -148,25 +171,29 @@ impl Strips {
         let mut lists = vec![Vec::new(); wanted.len()];
         let half = shader.lens.half(1);
         for (k, leaf) in shader.leaves.iter().enumerate() {
-            let row = |y: f64| ((y + half) / f64::from(STRIP)).clamp(0.0, wanted.len() as f64 - 1.0) as usize;
-            for strip in (row(leaf.low.y - 1.0)..=row(leaf.high.y + 1.0)).filter(|&s| wanted[s]) {
-                lists[strip].push(k as u32);
+            // A pixel to spare: boxes are rounded to f32.
+            let entry = Entry {
+                leaf: k as u32,
+                low: [0, 1].map(|k| (leaf.low[k] - 1.0) as f32),
+                high: [0, 1].map(|k| (leaf.high[k] + 1.0) as f32),
+                nearest: shader.stored_depth(leaf.low.z as f32),
+            };
+            let row =
+                |y: f32| ((f64::from(y) + half) / f64::from(STRIP)).clamp(0.0, wanted.len() as f64 - 1.0) as usize;
+            for strip in (row(entry.low[1])..=row(entry.high[1])).filter(|&s| wanted[s]) {
+                lists[strip].push(entry);
             }
         }
         Self { lists }
     }
 
-    /// Leaves whose box holds the pixel's centre.
-    fn leaves<'a>(&'a self, shader: &'a Shader, pixel: u32) -> impl Iterator<Item = u32> + 'a {
+    /// Leaves whose box holds the pixel's centre and that have something nearer than `behind`.
+    fn leaves<'a>(&'a self, shader: &Shader, pixel: u32, behind: f32) -> impl Iterator<Item = u32> + 'a {
         let width = shader.lens.size[0];
         let center = [pixel % width, pixel / width];
-        let center: [f64; 2] = std::array::from_fn(|k| f64::from(center[k]) + 0.5 - shader.lens.half(k));
-        self.lists[(pixel / width / STRIP) as usize].iter().copied().filter(move |&leaf| {
-            let leaf = &shader.leaves[leaf as usize];
-            (0..2).all(|k| {
-                let slack = f64::from(EXACT);
-                leaf.low[k] - slack <= center[k] && center[k] <= leaf.high[k] + slack
-            })
-        })
+        let center: [f32; 2] = std::array::from_fn(|k| center[k] as f32 + 0.5 - shader.lens.half(k) as f32);
+        let holds =
+            move |e: &&Entry| e.nearest > behind && (0..2).all(|k| e.low[k] <= center[k] && center[k] <= e.high[k]);
+        self.lists[(pixel / width / STRIP) as usize].iter().filter(holds).map(|e| e.leaf)
     }
 }

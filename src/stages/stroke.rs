@@ -17,15 +17,20 @@ const PUSH_FACTOR: f32 = 1.0 - 2e-6;
 pub(super) struct Pen {
     /// L-infinity radius in sub-pixels.
     pub radius: i64,
+    /// The same along folds; 0: none are drawn. The surface's own outline lies within the whole tolerance of its grid's.
+    pub fold: i64,
 }
 
 impl Pen {
     /// Half the grid's tolerance (every gap point is that near to an edge), half a sub-pixel of snapping for each of
     /// the two borders, and their rounding.
-    pub fn new(leaf: &Leaf, tolerance: f64) -> Self {
+    ///
+    /// Folds only propose pixels: without `refine` nobody could tell which of them the surface covers.
+    pub fn new(leaf: &Leaf, tolerance: f64, refine: bool) -> Self {
         let tolerance = (tolerance - 1.0 / (2.0 * f64::from(SUBPIXELS)) - leaf.rounding).max(0.0);
         let subpixels = f64::from(SUBPIXELS);
-        Self { radius: (subpixels * (tolerance / 2.0 + leaf.rounding) + 0.5).ceil() as i64 }
+        let radius = |reach: f64| (subpixels * (reach + leaf.rounding) + 0.5).ceil() as i64;
+        Self { radius: radius(tolerance / 2.0), fold: if refine { radius(tolerance) } else { 0 } }
     }
 }
 
@@ -76,6 +81,26 @@ pub(super) fn stroke(corners: &[Vertex; 3], pen: &Pen, id: u64, band: &mut Band)
             let s = nearest(dx * px + dy * py, length2);
             let depth = (a.depth + (b.depth - a.depth) * s - push) * PUSH_FACTOR;
             band.spare(x, y, id | u64::from(depth.max(f32::MIN_POSITIVE).to_bits()) << 32);
+        }
+    }
+}
+
+/// A stroke along an edge at which the grid folds over, on both sides.
+pub(super) fn fold(a: &Vertex, b: &Vertex, pen: &Pen, id: u64, band: &mut Band) {
+    let (ax, ay, bx, by) = (i64::from(a.x), i64::from(a.y), i64::from(b.x), i64::from(b.y));
+    let r = pen.fold;
+    let [(x0, x1), (y0, y1)] = band.pixels((ax.min(bx) - r, ax.max(bx) + r), (ay.min(by) - r, ay.max(by) + r));
+    let (dx, dy) = (bx - ax, by - ay);
+    let reach = r * (dx.abs() + dy.abs());
+    let length2 = dx * dx + dy * dy;
+    for y in y0..=y1 {
+        for x in x0..=x1 {
+            let (px, py) = (x * SUBPIXELS as i64 + HALF - ax, y * SUBPIXELS as i64 + HALF - ay);
+            if (dx * py - dy * px).abs() <= reach {
+                let s = nearest(dx * px + dy * py, length2);
+                let depth = (a.depth + (b.depth - a.depth) * s) * PUSH_FACTOR;
+                band.spare(x, y, id | u64::from(depth.max(f32::MIN_POSITIVE).to_bits()) << 32);
+            }
         }
     }
 }

@@ -11,6 +11,9 @@ pub(super) const MAX_MESHLETS: u64 = 1 << (32 - INDEX_BITS);
 const FIRST_EDGE: u32 = 98;
 const EDGES_A_SIDE: u32 = 7;
 
+/// A stroke along a fold of the grid: it proposes a pixel to settle.rs and never stays.
+pub(super) const FOLD: u32 = INDEX_MASK;
+
 /// What a visibility word's index names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Primitive {
