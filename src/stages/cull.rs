@@ -13,6 +13,8 @@ use glam::{DVec3, DVec4, Vec4};
 const DEPTH_RATIO: f64 = 3.0;
 /// Pixels of rounding that evaluation may take out of the tolerance.
 pub(super) const ROUNDING_BUDGET: f64 = 1.0 / 256.0;
+/// Pixels that f32 parameters may be off by where weights differ; next to nothing else.
+const PARAMETER_BUDGET: f64 = 1.0 / 64.0;
 /// Strokes reach a quarter of a pixel past a patch; a whole one is kept.
 const MARGIN: f64 = 1.0;
 /// Halvings of a patch, of both directions together: 2^-50 of either range is all that f64 can tell apart.
@@ -215,6 +217,11 @@ impl<'a> Culler<'a> {
         let (y_min, y_max) = range(self.scratch.iter().map(|p| p.y / lens.denominator(*p)));
         let center = [(x_min + x_max) * 0.5, (y_min + y_max) * 0.5].map(f64::round);
         let reach = (x_max - center[0]).max(center[0] - x_min).max((y_max - center[1]).max(center[1] - y_min));
+        let weights = range(self.scratch.iter().map(|p| lens.denominator(*p)));
+        let span = (x_max - x_min).max(y_max - y_min);
+        if parameter_rounding(net.degree(), weights, span) > PARAMETER_BUDGET {
+            return split;
+        }
         let rounding = rounding_bound(net.degree(), reach);
         if rounding.is_nan() || rounding > ROUNDING_BUDGET {
             return split;
@@ -352,6 +359,15 @@ fn direction_cone(net: Net, map: &PatchMap) -> Option<(DVec3, f64)> {
 fn rounding_bound(degree: [usize; 2], reach: f64) -> f64 {
     let gamma = (degree[0] + degree[1] + 8) as f64;
     (2.0 * gamma + 2.0) * reach * 0.5f64.powi(24)
+}
+
+/// What the rounding of a parameter in [0, 1] to f32 moves a point in pixels, beyond what it would with equal weights.
+///
+/// A rational curve of degree n moves by at most `n span max(w) / min(w)` a unit of its parameter (Floater 1992); an
+/// interpolated parameter errs by some four half-ulps, 2^-22. Where weights fall a million times towards t = 1, f32 has
+/// next to no parameters for most of the curve.
+fn parameter_rounding(degree: [usize; 2], (least, most): (f64, f64), span: f64) -> f64 {
+    degree[0].max(degree[1]) as f64 * span * (most / least - 1.0) * 0.5f64.powi(22)
 }
 
 fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {

@@ -44,10 +44,7 @@ pub struct Pixel {
 pub enum RenderError {
     #[error("face {face}, patch {patch} would be split into more than {limit} pieces at this view")]
     TooManyLeaves { face: u32, patch: u32, limit: usize },
-    #[error(
-        "face {face}, patch {patch} is looked at from so near that f64 can't tell its points apart: \
-         give a smaller --zoom"
-    )]
+    #[error("face {face}, patch {patch} can't be split finely enough in f64 for this view: give a smaller --zoom")]
     TooClose { face: u32, patch: u32 },
     #[error("face {face}, patch {patch} needs a grid of more than {limit} quads however it is split")]
     GridTooLarge { face: u32, patch: u32, limit: u64 },
@@ -60,6 +57,8 @@ pub enum RenderError {
     TooManyVertices { limit: u64 },
     #[error("a tolerance of {tolerance} px is below what snapping and rounding take ({floor:.4} px)")]
     ToleranceTooSmall { tolerance: f64, floor: f64 },
+    #[error("the model is {size:e} units large; what is drawn in f32 measures 1e-30 to 1e30: scale it")]
+    ModelSize { size: f64 },
     #[error("the slefe bound covers polynomial patches up to degree 7; face {face} is {what}")]
     SlefeUnsupported { face: u32, what: String },
 }
@@ -164,6 +163,11 @@ impl<'a> Renderer<'a> {
     }
 
     fn check(&self, options: &Options) -> Result<(), RenderError> {
+        // Single points are no larger than their rounding; they are drawn, if nowhere.
+        let size = (self.scene.bounds.high - self.scene.bounds.low).max_element();
+        if size > 0.0 && !(1e-30..=1e30).contains(&size) {
+            return Err(RenderError::ModelSize { size });
+        }
         if options.bound != Bound::Slefe {
             return Ok(());
         }

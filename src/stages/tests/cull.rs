@@ -147,7 +147,11 @@ fn patches_of_a_solid_that_face_the_eye_are_kept() {
         let spec = ViewSpec { size: [64, 64], orthographic: k % 2 == 0, eye: Some(eye), ..ViewSpec::default() };
         let camera = ViewSpec { fov: 60.0, ..spec }.camera(&scene.bounds).expect("a camera");
         for patch in scene.instances[0].patches.clone() {
-            if !leaves(&scene, &camera, Cull::Auto, patch).leaves.is_empty() {
+            let left = leaves(&scene, &camera, Cull::Auto, patch).leaves;
+            if !left.is_empty() {
+                // Outward normals that point away from the eye: clockwise on the screen, but for a mirror.
+                let turned = scene.instances[0].transform.matrix3.determinant().signum();
+                assert!(left.iter().all(|leaf| f64::from(leaf.hidden) == turned));
                 continue;
             }
             dropped += 1;
@@ -173,6 +177,7 @@ fn the_inside_of_a_solid_is_kept() {
         let camera = spec.camera(&scene.bounds).expect("a camera");
         for patch in scene.instances[0].patches.clone() {
             let left = leaves(&scene, &camera, Cull::Auto, patch);
+            assert!(left.leaves.iter().all(|leaf| leaf.hidden == 0));
             for (uv, world, _) in samples(&scene, patch) {
                 assert!(!is_in_picture(&camera, world) || holds(&left, uv), "patch {patch} at {uv:?}");
             }
