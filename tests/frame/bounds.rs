@@ -51,7 +51,7 @@ fn count(scene: &Scene, spec: ViewSpec, bound: Bound) -> [u64; 2] {
         let Some(pixel) = frame.pixel(at[0], at[1]) else { continue };
         let error = error(scene, &camera, at, &pixel, pixel.interpolated);
         counts[0] += 1;
-        counts[1] += u64::from(!(error <= 0.5 + SLACK));
+        counts[1] += u64::from(error.is_nan() || error > 0.5 + SLACK);
     }
     counts
 }

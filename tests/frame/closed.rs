@@ -52,7 +52,8 @@ fn open_pixels(name: &str, spec: ViewSpec, grid: Grid, covers: fn(&Camera, DVec2
 
 #[test]
 fn every_pixel_inside_a_silhouette_is_drawn() {
-    let solids: [(&str, fn(&Camera, DVec2) -> bool); 2] =
+    type Covers = fn(&Camera, DVec2) -> bool;
+    let solids: [(&str, Covers); 2] =
         [("sphere", |camera, at| on_sphere(camera, at).is_some()), ("torus", meets_torus)];
     for (name, covers) in solids {
         let mut covered = 0;

@@ -54,7 +54,7 @@ fn depth([a, b, c]: &[Vertex; 3], p: [i128; 2], radius: i64) -> f64 {
 }
 
 fn check(corners: [Vertex; 3], radius: i64) -> usize {
-    let targets = draw(corners, Pen { radius }, Fill::Stroke, SIZE);
+    let targets = draw(corners, Pen { radius, fold: 0 }, Fill::Stroke, SIZE);
     let c = corners.each_ref().map(place);
     let mut drawn = 0;
     for (&word, p) in targets.spare.iter().zip(centers(SIZE)) {
