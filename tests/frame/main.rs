@@ -4,4 +4,5 @@ mod bounds;
 mod closed;
 mod combinations;
 mod determinism;
+mod finite;
 mod support;
