@@ -28,6 +28,9 @@ pub(super) struct Shader<'a> {
     pub grids: &'a [Tessellation],
 }
 
+/// Pixels of rounding that refinement may meet where it follows a net past its leaf, into the rest of the patch.
+const EXTRAPOLATED: f64 = 1.0 / 128.0;
+
 /// Pixels in a row that show one leaf.
 struct Run {
     leaf: u32,
@@ -125,8 +128,12 @@ impl Shader<'_> {
 
     pub(super) fn surface(&self, leaf: u32) -> Surface<'_> {
         let leaf = &self.leaves[leaf as usize];
+        // Outside its unit square a net's rounding grows like (1 + 2 a)^(m + n) with the distance a: no farther out than
+        // where it could be seen.
+        let power = 1.0 / (leaf.degree[0] + leaf.degree[1]) as f64;
+        let out = ((EXTRAPOLATED / leaf.rounding).powf(power) - 1.0).max(0.0) * 0.5;
         let domain = [0, 1].map(|k| {
-            let end = |value: f64| ((value - leaf.corner[k]) / leaf.extent[k]) as f32;
+            let end = |value: f64| ((value - leaf.corner[k]) / leaf.extent[k]).clamp(-out, 1.0 + out) as f32;
             [end(0.0), end(1.0)]
         });
         Surface {

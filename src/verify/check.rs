@@ -10,9 +10,10 @@ use std::cell::OnceCell;
 /// The contract's half pixel.
 pub(super) const HALF_PIXEL: f64 = 0.5;
 
-/// The frame stores depth in f32, after a few operations in f32: four half-ulps of the stored value (which is relative
-/// to camera depth in perspective, to the depth range in orthographic projection).
-const DEPTH_ROUNDING: f64 = 4.0 * f32::EPSILON as f64 / 2.0;
+/// The frame stores depth in f32. A fragment's takes up to eight roundings (its vertices' denominator and quotient, the
+/// weights, their products and sums), and where two compete both may err: sixteen half-ulps of the stored value (which is
+/// relative to camera depth in perspective, to the depth range in orthographic projection).
+const DEPTH_ROUNDING: f64 = 16.0 * f32::EPSILON as f64 / 2.0;
 
 /// Sub-samples a side; they span the closed square, so the middle one is the centre.
 const SIDE: usize = 5;

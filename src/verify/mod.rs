@@ -17,7 +17,7 @@
 //! How DESIGN section 6 is read (`check`):
 //! - The 5x5 sub-samples span the closed pixel, corners included; the middle one is the centre. They are shot when a
 //!   verdict needs them, so most pixels cost one ray.
-//! - Delta at camera depth z is `depth_tolerance` pixel sizes there plus four half-ulps of the stored f32 depth. Hits
+//! - Delta at camera depth z is `depth_tolerance` pixel sizes there plus sixteen half-ulps of the stored f32 depth. Hits
 //!   within delta of the nearest are visible, so coincident patches count as one.
 //! - A crack compares with the depth of the exact point at the stored parameter. A depth failure compares with that or
 //!   the stored depth, whichever is farther; only with the exact point where a stroke decided the pixel, since strokes

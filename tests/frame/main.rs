@@ -4,5 +4,6 @@ mod bounds;
 mod closed;
 mod combinations;
 mod determinism;
+mod extremes;
 mod finite;
 mod support;

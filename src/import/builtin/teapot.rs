@@ -70,12 +70,13 @@ mod tests {
     use super::teapot;
     use glam::DVec3;
 
-    /// The same patches as `teapot.bpt` in the folder that `HALFPIXEL_MODELS` names, in any order; skipped without it.
+    /// The same patches as `teapot.bpt` in `$HALFPIXEL_MODELS` or ../shared/models, in any order; skipped without it.
     #[test]
     fn the_patches_are_newells() {
-        let folder = std::env::var("HALFPIXEL_MODELS").unwrap_or_default();
+        let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/models").to_string();
+        let folder = std::env::var("HALFPIXEL_MODELS").unwrap_or(beside);
         let Ok(text) = std::fs::read_to_string(format!("{folder}/teapot.bpt")) else {
-            eprintln!("skipped: HALFPIXEL_MODELS names no folder with teapot.bpt");
+            eprintln!("skipped: there is no {folder}/teapot.bpt (set HALFPIXEL_MODELS)");
             return;
         };
         let numbers: Vec<f64> = text.split_whitespace().map(|word| word.parse().expect("a number")).collect();
