@@ -33,8 +33,6 @@ fn judged(name: &str, spec: ViewSpec) -> Report {
     verify(&scene, &camera, &Options::default(), &|x, y| frame.pixel(x, y), &Sampling::default(), &|_, _| {})
 }
 
-}
-
 /// With an eye 1e5 model sizes away, near / z spreads the whole model over some 300 f32 values next to 1, and sheets
 /// that are farther apart than the depth tolerance change places. An affine depth about the model would keep them.
 #[test]
