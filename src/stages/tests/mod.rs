@@ -2,6 +2,7 @@
 
 mod cull;
 mod grid;
+mod newton;
 mod raster;
 mod strokes;
 mod words;

@@ -88,3 +88,27 @@ fn strokes_are_the_pixels_within_the_pen() {
     }
     assert!(drawn > 50_000, "the segments missed the picture: {drawn} pixels");
 }
+
+/// Beside a triangle lies one without area: the grid folds along their common edge, which is stroked on both sides.
+#[test]
+fn folds_are_the_pixels_within_the_pen_on_both_sides() {
+    let mut random = Random(6);
+    let mut drawn = 0;
+    for _ in 0..2000 {
+        let corners = [(); 3].map(|()| random.vertex(-4, 32));
+        let c = corners.each_ref().map(place);
+        if area(c[0], c[1], c[2]) == 0 {
+            continue;
+        }
+        let radius = 1 + random.below(300) as i64;
+        // The first triangle is (0,0), (1,0), (1,1) of the quad: b and c are the ends of its diagonal's far corner.
+        let targets = draw(corners, Pen { radius: 0, fold: radius }, Fill::Stroke, SIZE);
+        for (&word, p) in targets.spare.iter().zip(centers(SIZE)) {
+            let border = meets(c[0], c[1], p, 0) && is_outer(c, p);
+            let fold = meets(c[0], c[2], p, radius.into());
+            assert_eq!(word != 0, border || fold, "{corners:?}, radius {radius}, at {p:?}");
+            drawn += usize::from(fold);
+        }
+    }
+    assert!(drawn > 20_000, "the folds missed the picture: {drawn} pixels");
+}
