@@ -174,6 +174,7 @@ impl Shader<'_> {
                 number,
                 parameters,
                 word: word(k),
+                pixel,
                 normal: self.camera_normal(leaf, normal, pixel),
                 towards_eye: -self.ray(pixel),
             };
@@ -212,7 +213,7 @@ impl Shader<'_> {
         self.stored_depth((z - self.options.depth_tolerance * lens.pixel_size(z)) as f32)
     }
 
-    fn interpolated(&self, leaf: u32, word: u64, pixel: u32) -> [f32; 2] {
+    pub(super) fn interpolated(&self, leaf: u32, word: u64, pixel: u32) -> [f32; 2] {
         let width = self.lens.size[0];
         interpolate(self.meshlets, self.grids[leaf as usize].quads, word, pixel % width, pixel / width)
     }

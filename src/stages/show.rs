@@ -12,6 +12,8 @@ pub(super) struct Look {
     /// Leaf parameters after refinement.
     pub parameters: [f32; 2],
     pub word: u64,
+    /// Pixel number in the image.
+    pub pixel: u32,
     /// Camera axes, facing the eye.
     pub normal: Vec3,
     pub towards_eye: Vec3,
@@ -41,8 +43,7 @@ pub(super) fn color(shader: &Shader, look: &Look) -> [f32; 3] {
             let far = if shader.lens.perspective { shader.near_over_far() } else { 0.0 };
             [((depth - far) / (1.0 - far)).clamp(0.02, 1.0); 3]
         }
-        // The caller paints errors from f64 figures once the frame is done.
-        Show::Error => [0.0; 3],
+        Show::Error => error_color(grid_error(shader, look)),
         Show::TriangleSize => lit(triangle_size(shader, look)),
     }
 }
@@ -65,6 +66,29 @@ fn blinn_phong(base: [f32; 3], look: &Look) -> [f32; 3] {
         specular += strength * SPECULAR * shine;
     }
     base.map(|c| c * diffuse + specular)
+}
+
+/// How far from the pixel's centre the surface point of its interpolated parameter projects, in pixels, by f64.
+fn grid_error(shader: &Shader, look: &Look) -> f64 {
+    let (lens, scene) = (shader.lens, shader.scene);
+    let leaf = &shader.leaves[look.number as usize];
+    let [u, v] = leaf.to_patch(shader.interpolated(look.number, look.word, look.pixel).map(f64::from));
+    let patch = &scene.patches[leaf.patch as usize];
+    let map = lens.patch_map(&scene.instances[leaf.instance as usize], patch.origin);
+    let p = map.apply(scene.net(patch).jet(u, v).point);
+    let place = p.truncate().truncate() / lens.denominator(p);
+    let at = [look.pixel % lens.size[0], look.pixel / lens.size[0]];
+    (0..2).map(|k| (place[k] + lens.half(k) - f64::from(at[k]) - 0.5).abs()).fold(0.0, f64::max)
+}
+
+/// Yeo 2012, figure 12: grey below a tenth of a pixel, blue below a half, green below one, red above.
+fn error_color(error: f64) -> [f32; 3] {
+    match error {
+        e if e < 0.1 => [0.35; 3],
+        e if e < 0.5 => [0.05, 0.12, 0.75],
+        e if e < 1.0 => [0.05, 0.55, 0.08],
+        _ => [0.75, 0.03, 0.03],
+    }
 }
 
 /// A colour that differs for neighbouring numbers: hue from a hash, even brightness.
