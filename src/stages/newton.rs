@@ -9,7 +9,7 @@ pub(super) const LANES: usize = 8;
 /// Residual in pixels at which a pixel is done.
 const CONVERGED: f32 = 1.0 / 512.0;
 /// Times a step is halved before the old parameter is kept.
-const HALVINGS: usize = 6;
+const HALVINGS: usize = 8;
 /// Rounds that pixels near a silhouette, where Newton's method is slow, may take for each one asked for.
 const STRAGGLER_ROUNDS: u32 = 8;
 
@@ -164,7 +164,7 @@ fn step<S: Simd>(
     // A little damping keeps edge-on points finite and leaves all others as they are.
     let damped = det + (aa + cc) * (aa + cc) * 1e-7 + 1e-30;
     let exact = a * d - b * c;
-    let regular = (exact * exact).simd_gt((aa + cc) * (aa + cc) * 1e-5);
+    let regular = (exact * exact).simd_gt((aa + cc) * (aa + cc) * 1e-11);
     let inverse = regular.select(exact, damped);
     let ds = regular.select(rx * d - ry * c, cc * ga - ac * gc) / inverse;
     let dt = regular.select(ry * a - rx * b, aa * gc - ac * ga) / inverse;
