@@ -10,6 +10,8 @@ pub(super) const LANES: usize = 8;
 const CONVERGED: f32 = 1.0 / 512.0;
 /// Times a step is halved before the old parameter is kept.
 const HALVINGS: usize = 8;
+/// The same where many starts are tried, most of them in vain.
+const SEARCH_HALVINGS: usize = 3;
 /// Rounds that pixels near a silhouette, where Newton's method is slow, may take for each one asked for.
 const STRAGGLER_ROUNDS: u32 = 8;
 
@@ -86,7 +88,7 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
         let slack = slope_allowance(simd, surface, &point, x, y);
         let (mut ns, mut nt) = step(simd, surface, &point, s, t, x, y);
         let mut pending = open;
-        for _ in 0..=HALVINGS {
+        for _ in 0..=if surface.any_sheet { SEARCH_HALVINGS } else { HALVINGS } {
             let next = evaluate::<S, N>(simd, surface, &cubic, ns, nt);
             let r = (x - next.x).abs().max((y - next.y).abs());
             // Another sheet, or the other side of a silhouette, is not this pixel's surface.
