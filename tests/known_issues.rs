@@ -48,7 +48,7 @@ fn real(name: &str) -> Option<Model> {
 /// Two of 921,600 pixels (one in 100,000 at worst, in the views of `bench contract`) show a patch of which nothing is
 /// visible within half a pixel: two sheets meet at one outline, each within half a pixel of its place, and the chord of
 /// the nearer leaves the pixel's centre to the farther. Strokes along folds and borders find most of these; what they
-/// miss lies where a fold crosses from one meshlet to the next, or in a gap that no stroke is nearer than.
+/// miss lies where the surface folds at a border between patches, farther from it than a border's pen reaches.
 #[test]
 #[ignore = "a few pixels at outlines show a patch that is hidden"]
 fn what_is_shown_is_visible_within_half_a_pixel() {

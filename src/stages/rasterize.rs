@@ -127,32 +127,50 @@ fn draw(meshlets: &Meshlets, number: u32, pens: &[Pen], fill: Fill, band: &mut B
 fn folds(meshlets: &Meshlets, number: u32, pen: &Pen, band: &mut Band) {
     let meshlet = &meshlets.meshlets[number as usize];
     let at = |[i, j]: [usize; 2]| meshlets.vertices[meshlet.vertex(i, j)];
-    let facing = |[a, b, c]: [Vertex; 3]| {
-        let (ux, uy) = (i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y));
-        let (vx, vy) = (i64::from(c.x) - i64::from(a.x), i64::from(c.y) - i64::from(a.y));
-        (ux * vy - uy * vx).signum()
-    };
     let [across_u, across_v] = meshlet.quads.map(usize::from);
-    let of = |a: usize, b: usize| triangles(a, b, meshlet.diagonal).map(|corners| facing(corners.map(at)));
     let id = word(0.0, number, FOLD);
     let mut stroke = |a: [usize; 2], b: [usize; 2]| stroke::fold(&at(a), &at(b), pen, id, band);
+    let [next_u, next_v] = next_blocks(&meshlets.meshlets, number as usize);
+    let main = meshlet.diagonal == 0;
+    // The triangle on side v = 1 is always the second, on v = 0 the first; u = 1 and u = 0 go by the diagonal.
+    let (right, left) = if main { (0, 1) } else { (1, 0) };
     for a in 0..across_u {
         for b in 0..across_v {
-            let [first, second] = of(a, b);
-            let main = meshlet.diagonal == 0;
-            if first != second {
+            let here = facings(meshlets, meshlet, a, b);
+            if here[0] != here[1] {
                 if main { stroke([a, b], [a + 1, b + 1]) } else { stroke([a + 1, b], [a, b + 1]) }
             }
-            // The triangle on side v = 1 is always the second, on v = 0 the first; u = 1 and u = 0 go by the diagonal.
-            if b + 1 < across_v && second != of(a, b + 1)[0] {
+            let above = if b + 1 < across_v { Some((meshlet, b + 1)) } else { next_v.map(|m| (m, 0)) };
+            if above.is_some_and(|(m, b)| here[1] != facings(meshlets, m, a, b)[0]) {
                 stroke([a, b + 1], [a + 1, b + 1]);
             }
-            let (right, left) = if main { (first, 1) } else { (second, 0) };
-            if a + 1 < across_u && right != of(a + 1, b)[left] {
+            let beyond = if a + 1 < across_u { Some((meshlet, a + 1)) } else { next_u.map(|m| (m, 0)) };
+            if beyond.is_some_and(|(m, a)| here[right] != facings(meshlets, m, a, b)[left]) {
                 stroke([a + 1, b], [a + 1, b + 1]);
             }
         }
     }
+}
+
+/// Signs of the screen areas of a quad's two triangles, in parameter order.
+fn facings(meshlets: &Meshlets, meshlet: &Meshlet, a: usize, b: usize) -> [i64; 2] {
+    triangles(a, b, meshlet.diagonal).map(|corners| {
+        let [a, b, c] = corners.map(|[i, j]| meshlets.vertices[meshlet.vertex(i, j)]);
+        let (ux, uy) = (i64::from(b.x) - i64::from(a.x), i64::from(b.y) - i64::from(a.y));
+        let (vx, vy) = (i64::from(c.x) - i64::from(a.x), i64::from(c.y) - i64::from(a.y));
+        (ux * vy - uy * vx).signum()
+    })
+}
+
+/// The blocks of the same leaf that follow a meshlet in u and in v. Blocks come in parameter order, v innermost.
+fn next_blocks(meshlets: &[Meshlet], number: usize) -> [Option<&Meshlet>; 2] {
+    let here = &meshlets[number];
+    let [u, v] = here.first;
+    let mut later = meshlets[number + 1..].iter().take_while(|m| m.leaf == here.leaf);
+    let inner = |side: u8| here.outer >> side & 1 == 0;
+    let next_v = meshlets.get(number + 1).filter(|_| inner(3));
+    let next_u = if inner(1) { later.find(|m| m.first == [u + u16::from(here.quads[0]), v]) } else { None };
+    [next_u, next_v]
 }
 
 /// The triangle shows the inside of a solid. Each point of the image that the solid covers is covered by a triangle
