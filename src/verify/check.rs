@@ -10,9 +10,9 @@ use std::cell::OnceCell;
 /// The contract's half pixel.
 pub(super) const HALF_PIXEL: f64 = 0.5;
 
-/// The frame stores depth in f32. A fragment's takes up to eight roundings (its vertices' denominator and quotient, the
-/// weights, their products and sums), and where two compete both may err: sixteen half-ulps of the stored value (which is
-/// relative to camera depth in perspective, to the depth range in orthographic projection).
+/// The frame stores depth in f32 (relative to camera depth in perspective, to the depth range in orthographic
+/// projection). A fragment's takes three to five roundings at its vertices and seven in interpolation (area, its inverse,
+/// weight, two products, two sums), and where two compete both err: 20 to 24 half-ulps at worst. Sixteen are allowed.
 const DEPTH_ROUNDING: f64 = 16.0 * f32::EPSILON as f64 / 2.0;
 
 /// Sub-samples a side; they span the closed square, so the middle one is the centre.
