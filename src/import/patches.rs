@@ -26,7 +26,7 @@ impl Patches {
         let id = self.met;
         self.met += 1;
         match BezierPatch::new("", degree, points) {
-            Ok(patch) => self.faces.push(Face { id, name: name.to_owned(), color, surface: Surface::single(patch) }),
+            Ok(patch) => self.faces.push(Face { color, ..Face::new(id, name, Surface::single(patch)) }),
             Err(error) => self.warn(line, format!("patch {id} is left out{error}")),
         }
     }

@@ -4,7 +4,7 @@ mod figures;
 
 pub use figures::Figures;
 
-use crate::geometry::{BezierPatch, PatchPiece};
+use crate::geometry::{BezierCurve, BezierPatch, PatchPiece};
 use glam::{DAffine3, DVec3};
 
 /// Everything that was read from one file (or built in).
@@ -15,8 +15,10 @@ pub struct Model {
     pub instances: Vec<Instance>,
     /// Length unit as the file names it ("mm"), where it does.
     pub unit: Option<String>,
-    /// What could not be taken over, one line each; never silent.
+    /// What was mended or approximated, one line each; never silent.
     pub warnings: Vec<Warning>,
+    /// Faces that could not be converted, with the reason.
+    pub lost: Vec<Warning>,
 }
 
 /// Faces that move together; drawn once per instance, never copied.
@@ -37,19 +39,62 @@ pub enum Solidity {
     Open,
 }
 
-/// A surface, later with trim loops in its parameter plane.
-#[derive(Clone, Debug)]
+/// A surface, trimmed by loops in its parameter plane.
+#[derive(Clone, Debug, Default)]
 pub struct Face {
     /// The file's own entity number where it has one, else the running number from 0.
     pub id: u32,
     pub name: String,
     /// Linear RGB; `None`: the renderer's default.
     pub color: Option<[f32; 3]>,
+    pub kind: SurfaceKind,
     pub surface: Surface,
+    /// The face is what lies inside by the odd-even rule; without loops it is the whole surface.
+    pub loops: Vec<Loop>,
+    /// The face's outward normal is `-(S_u x S_v)`.
+    pub reversed: bool,
 }
 
-/// A surface as rational Bézier patches, each with its rectangle in the surface's own parameters.
-#[derive(Clone, Debug)]
+/// What the file calls the surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum SurfaceKind {
+    Plane,
+    Cylinder,
+    Cone,
+    Sphere,
+    Torus,
+    Extrusion,
+    Revolution,
+    Offset,
+    BSpline,
+    #[default]
+    Bezier,
+}
+
+/// A closed sequence of curves in the parameter plane, the end of each at the start of the next.
+///
+/// The plane is the one of [`SurfacePatch::domain`]: inside a patch it is affine in the patch's Bézier parameters. (On an
+/// arc that is not proportional to the angle; the two agree where arcs meet.) Curves do not cross from one patch to
+/// another where that map has a kink.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Loop {
+    pub curves: Vec<TrimCurve>,
+}
+
+/// One rational Bézier piece of a trim loop; z is 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrimCurve {
+    pub curve: BezierCurve,
+    /// Largest distance in space between the curve's image on the surface and the edge it stands for, in the part's
+    /// units: measured, never the file's tolerance.
+    pub gap: f64,
+    /// The file's own number of the edge, the same in all faces that meet there; `None` for what only closes a loop along
+    /// a seam or at a pole.
+    pub edge: Option<u32>,
+}
+
+/// A surface as rational Bézier patches, each with its rectangle in the surface's parameter plane.
+#[derive(Clone, Debug, Default)]
 pub struct Surface {
     pub patches: Vec<SurfacePatch>,
 }
@@ -77,6 +122,13 @@ pub struct Warning {
     /// Entity number or line, as the message says.
     pub entity: Option<u32>,
     pub message: String,
+}
+
+impl Face {
+    /// A whole surface, untrimmed and uncoloured.
+    pub fn new(id: u32, name: impl Into<String>, surface: Surface) -> Self {
+        Self { id, name: name.into(), surface, ..Self::default() }
+    }
 }
 
 impl Surface {

@@ -11,6 +11,7 @@ pub use enclosure::{enclose, normal_cone};
 pub use prepare::{PrepareError, prepare};
 
 use crate::geometry::Net;
+use crate::model::Loop;
 use glam::{DAffine3, DVec3, DVec4};
 use std::ops::Range;
 
@@ -69,6 +70,8 @@ pub struct SceneFace {
     pub color: [f32; 3],
     /// Which side of the surface can be seen.
     pub sides: Sides,
+    /// Trim loops in the plane of [`Patch::domain`]; none: the face is all of its patches.
+    pub loops: Vec<Loop>,
 }
 
 /// The sides of a face that can be seen.
@@ -80,6 +83,17 @@ pub enum Sides {
     Outside,
     /// The face bounds a solid and `S_u x S_v` points inwards.
     Inside,
+}
+
+impl Sides {
+    /// The same for a face whose outward normal is `-(S_u x S_v)`.
+    pub fn turned(self) -> Self {
+        match self {
+            Self::Both => Self::Both,
+            Self::Outside => Self::Inside,
+            Self::Inside => Self::Outside,
+        }
+    }
 }
 
 #[derive(Clone, Debug)]

@@ -75,12 +75,16 @@ fn collect_part<'a>(part: &'a Part, faces: &mut Vec<SceneFace>, sources: &mut Ve
     let sides = match part.solidity {
         Solidity::Solid => Sides::Outside,
         Solidity::Open => Sides::Both,
+        // Which way a trimmed patch's border runs says nothing.
+        Solidity::Unknown if part.faces.iter().any(|f| f.reversed || !f.loops.is_empty()) => Sides::Both,
         Solidity::Unknown => visible_sides(part),
     };
     for face in &part.faces {
-        let Face { id, name, color, surface } = face;
+        let Face { id, name, color, surface, loops, reversed, .. } = face;
+        let sides = if *reversed { sides.turned() } else { sides };
         let number = faces.len() as u32;
-        faces.push(SceneFace { id: *id, name: name.clone(), color: color.unwrap_or(DEFAULT_COLOR), sides });
+        let (name, loops, color) = (name.clone(), loops.clone(), color.unwrap_or(DEFAULT_COLOR));
+        faces.push(SceneFace { id: *id, name, color, sides, loops });
         sources.extend(surface.patches.iter().map(|p| Source { patch: &p.patch, domain: p.domain, face: number }));
     }
     start..sources.len()

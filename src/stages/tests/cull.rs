@@ -29,7 +29,7 @@ fn patch(random: &mut Random) -> Scene {
         (p * w).extend(w)
     });
     let surface = Surface::single(BezierPatch::new("random", degree, points.collect()).expect("a good patch"));
-    let face = Face { id: 0, name: String::new(), color: None, surface };
+    let face = Face::new(0, "", surface);
     let part = Part { name: String::new(), faces: vec![face], solidity: Solidity::Open };
     prepare(&Model::from_part("random", part), &|_, _| {}).expect("a scene")
 }
