@@ -2,6 +2,8 @@
 
 mod bezierview;
 mod bpt;
+#[allow(dead_code)]
+mod brep;
 pub mod builtin;
 mod formats;
 mod patches;
