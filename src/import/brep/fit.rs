@@ -99,34 +99,30 @@ impl Fitter<'_> {
     }
 
     fn straight(&self, path: &Path, out: &mut Vec<TrimCurve>) {
-        let along = path.fixed_axis().map_or(2, |axis| 1 - axis);
-        let mut stops = vec![0.0];
-        if along < 2 {
-            let [a, b] = [path.start[along], path.end[along]];
-            let inside =
-                self.axes[along].kinks().map(|kink| (kink - a) / (b - a)).filter(|s| *s > 1e-12 && *s < 1.0 - 1e-12);
-            stops.extend(inside);
-            stops.sort_by(f64::total_cmp);
-        }
-        stops.push(1.0);
-        let at = |s: f64| {
-            if s == 0.0 {
-                path.start
-            } else if s == 1.0 {
-                path.end
-            } else {
-                path.start.lerp(path.end, s)
+        // Part of the way, and where that is.
+        let mut stops = vec![(0.0, path.start)];
+        if let Some(fixed) = path.fixed_axis() {
+            let [a, b] = [path.start[1 - fixed], path.end[1 - fixed]];
+            for kink in self.axes[1 - fixed].kinks() {
+                let part = (kink - a) / (b - a);
+                if part > 1e-12 && part < 1.0 - 1e-12 {
+                    let mut uv = path.start;
+                    uv[1 - fixed] = kink;
+                    stops.push((part, uv));
+                }
             }
-        };
+            stops.sort_by(|p, q| p.0.total_cmp(&q.0));
+        }
+        stops.push((1.0, path.end));
         for part in stops.windows(2) {
-            let [a, b] = [at(part[0]), at(part[1])].map(|uv| self.to_plane(uv));
+            let [a, b] = [part[0].1, part[1].1].map(|uv| self.to_plane(uv));
             if a == b {
                 continue;
             }
             let curve = BezierCurve::line(a.extend(0.0), b.extend(0.0));
             let gap = path.source.map_or(0.0, |source| {
                 let [t0, t1] = source.range;
-                self.gap(&curve, source, [t0 + (t1 - t0) * part[0], t0 + (t1 - t0) * part[1]])
+                self.gap(&curve, source, [part[0].0, part[1].0].map(|s| t0 + (t1 - t0) * s))
             });
             out.push(TrimCurve { curve, gap, edge: path.source.map(|s| s.edge) });
         }

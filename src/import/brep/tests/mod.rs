@@ -1,6 +1,7 @@
 //! Loops on surfaces of every kind, judged by second methods: areas known in closed form, images against edges.
 
 mod analytic;
+mod freeform;
 mod measure;
 
 use super::*;
