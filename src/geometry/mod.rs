@@ -17,7 +17,7 @@ mod triangle;
 pub use area::{Estimate, patch_area, rough_patch_area};
 pub use curve::{BezierCurve, CurvePiece, NurbsCurve};
 pub use error::GeometryError;
-pub use forms::{CurveForm, CurveSpan, SurfaceForm};
+pub use forms::{Axis, Chart, CurveForm, CurveSpan, Pole, SurfaceForm};
 pub use knots::Knots;
 pub use net::{BezierPatch, Jet, MAX_DEGREE, Net, SurfacePoint};
 pub use surface::{NurbsSurface, PatchPiece};
