@@ -78,7 +78,8 @@ fn cylinders_of_every_kind() {
     let top = edge(2, circle(raised(frame, 3.0), 2.0, [0.0, TAU]));
     let seam = edge(3, line(frame.point(2.0, 0.0, 0.0), frame.point(2.0, 0.0, 3.0)));
     let slanted = Frame::new(frame.point(0.0, 0.0, 3.0), frame.z - frame.x * 0.5, frame.x).unwrap();
-    let cut = CurveSpan { curve: CurveForm::Ellipse { frame: slanted, radii: [5f64.sqrt(), 2.0] }, range: [TAU + 0.5, 0.5] };
+    let cut =
+        CurveSpan { curve: CurveForm::Ellipse { frame: slanted, radii: [5f64.sqrt(), 2.0] }, range: [TAU + 0.5, 0.5] };
     for surface in cylinders(frame) {
         let with_seam = vec![bottom.clone(), seam.clone(), back(&top), back(&seam)];
         let built = check(&face(surface.clone(), vec![with_seam]), TAU * 6.0);
@@ -120,7 +121,8 @@ fn paraboloid() -> NurbsSurface {
     let rows: Vec<DVec4> = (0..3)
         .flat_map(|i| {
             let (x, xx) = ([-1.0, 0.0, 1.0][i], [1.0, -1.0, 1.0][i]);
-            let line: Vec<DVec4> = [(-1.0, 1.0), (0.0, -1.0), (1.0, 1.0)].map(|(y, yy)| DVec4::new(x, y, xx + yy, 1.0)).to_vec();
+            let line: Vec<DVec4> =
+                [(-1.0, 1.0), (0.0, -1.0), (1.0, 1.0)].map(|(y, yy)| DVec4::new(x, y, xx + yy, 1.0)).to_vec();
             BezierCurve::new("row", line).unwrap().elevate(22).points().to_vec()
         })
         .collect();
