@@ -8,6 +8,7 @@ pub mod builtin;
 mod formats;
 mod patches;
 mod scan;
+mod step;
 
 use crate::model::Model;
 use formats::Format;
