@@ -56,6 +56,7 @@ fn single([a, b, c]: [Vertex; 3], height: u32) -> Meshlets {
         quads: [1, 1],
         hidden: 0,
         diagonal: 0,
+        tested: false,
         outer: 0b0100,
         rows: [0, height as u16],
     };
