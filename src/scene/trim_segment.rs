@@ -153,24 +153,24 @@ impl Segment {
     }
 
     /// The segment passes the height `v`, within its ends', at a larger u than `u`.
-    pub fn is_right_of(&self, points: &[DVec3], [u, v]: [f64; 2]) -> bool {
-        let beyond = |[a, b]: [[f64; 2]; 2]| {
-            let (low, high) = (a[0].min(b[0]), a[0].max(b[0]));
-            if u < low {
-                Some(true)
-            } else if u >= high {
-                Some(false)
-            } else {
-                None
-            }
+    pub fn is_right_of(&self, points: &[DVec3], p: [f64; 2]) -> bool {
+        self.compares(points, p, |at, u| at > u)
+    }
+
+    /// The segment passes the height of `p` where `holds` says so of its u and the point's: a comparison.
+    fn compares(&self, points: &[DVec3], [u, v]: [f64; 2], holds: impl Fn(f64, f64) -> bool) -> bool {
+        // What holds at both brackets holds between them.
+        let decided = |[a, b]: [[f64; 2]; 2]| {
+            let here = holds(a[0], u);
+            (here == holds(b[0], u)).then_some(here)
         };
-        if let Some(answer) = beyond(self.ends) {
+        if let Some(answer) = decided(self.ends) {
             return answer;
         }
         if self.count == 0 {
-            return between(self.ends[0], self.ends[1], 1, v) > u;
+            return holds(between(self.ends[0], self.ends[1], 1, v), u);
         }
-        self.follow(points, 1, v, beyond, |[a, b]| between(a, b, 1, v) > u)
+        self.follow(points, 1, v, decided, |[a, b]| holds(between(a, b, 1, v), u))
     }
 
     /// The segment has a point in the closed box.
@@ -182,26 +182,17 @@ impl Segment {
         let [a, b] = self.ends;
         let (low, high) = (within.low, within.high);
         let [left, right] = if self.rises() { [[low[0], high[1]], [high[0], low[1]]] } else { [low, high] };
-        let passes_right_of = |p: [f64; 2]| {
-            // Beyond the segment's height only one side is left, given that the boxes touch.
+        // Beyond the segment's height only one side is left, given that the boxes touch.
+        let passes = |p: [f64; 2], holds: fn(f64, f64) -> bool| {
             if p[1] <= a[1] {
-                a[0] > p[0]
+                holds(a[0], p[0])
             } else if p[1] >= b[1] {
-                b[0] > p[0]
+                holds(b[0], p[0])
             } else {
-                self.is_right_of(points, p)
+                self.compares(points, p, holds)
             }
         };
-        let passes_left_of = |p: [f64; 2]| {
-            if p[1] <= a[1] {
-                a[0] < p[0]
-            } else if p[1] >= b[1] {
-                b[0] < p[0]
-            } else {
-                self.crossing(points, 1, p[1]) < p[0]
-            }
-        };
-        !passes_left_of(left) && !passes_right_of(right)
+        !passes(left, |at, u| at < u) && !passes(right, |at, u| at > u)
     }
 
     /// Some point of the segment is carried by `image` into the box of half sizes `half` about the origin; parts are

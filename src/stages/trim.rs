@@ -21,8 +21,9 @@ use crate::scene::{ParameterBox, Region, Scene, TrimTree};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// Pixels a side of the blocks that are classified at once.
-const BLOCK: i64 = 8;
+/// Pixels a side of the largest blocks that are classified at once, and of those whose pixels are tested each.
+const LARGEST: i64 = 16;
+const SMALLEST: i64 = 2;
 /// Largest gap of the model, in pixels, that is closed; larger ones are shown.
 const MAX_GAP: f64 = 1.0;
 /// Pixels that refinement leaves (1/512), and the rounding of f32 parameters on top of `Leaf::rounding`.
@@ -269,18 +270,29 @@ impl Trimmer<'_> {
             Region::Inside => return coverage.draw(coverage.pixels, id, band),
             Region::Boundary => {}
         }
-        let [(x0, x1), (y0, y1)] = coverage.pixels;
-        for top in (y0..=y1).step_by(BLOCK as usize) {
-            for left in (x0..=x1).step_by(BLOCK as usize) {
-                let block = [(left, (left + BLOCK - 1).min(x1)), (top, (top + BLOCK - 1).min(y1))];
+        // Blocks from large to small, until one is decided or has few pixels.
+        let mut stack = vec![coverage.pixels];
+        while let Some(block) = stack.pop() {
+            let [(x0, x1), (y0, y1)] = block;
+            let side = (x1 - x0).max(y1 - y0) + 1;
+            if side <= LARGEST {
                 let (low, high) = quad.parameters(vertices, block);
                 match cut.classify(low, high) {
-                    Region::Outside => {}
-                    Region::Inside => coverage.draw(block, id, band),
-                    Region::Boundary => coverage.each(block, id, band, |_, pixel, fragment| {
-                        self.queue.push((pixel, fragment));
-                    }),
+                    Region::Outside => continue,
+                    Region::Inside => {
+                        coverage.draw(block, id, band);
+                        continue;
+                    }
+                    Region::Boundary => {}
                 }
+            }
+            if side <= SMALLEST {
+                coverage.each(block, id, band, |_, pixel, fragment| self.queue.push((pixel, fragment)));
+                continue;
+            }
+            let [xs, ys] = [(x0, x1), (y0, y1)].map(halves);
+            for y in ys.into_iter().flatten() {
+                stack.extend(xs.into_iter().flatten().map(|x| [x, y]));
             }
         }
     }
@@ -320,6 +332,15 @@ impl Trimmer<'_> {
         queue.clear();
         self.queue = queue;
     }
+}
+
+/// A range of pixels cut in two where it is longer than `SMALLEST`.
+fn halves((low, high): (i64, i64)) -> [Option<(i64, i64)>; 2] {
+    if high - low < SMALLEST {
+        return [Some((low, high)), None];
+    }
+    let middle = (low + high) / 2;
+    [Some((low, middle)), Some((middle + 1, high))]
 }
 
 /// A quad's rectangle of leaf parameters, as one of its triangles sees it.
