@@ -119,7 +119,7 @@ impl<'a> Oracle<'a> {
     /// A ray through the border of two patches meets both. Within one patch what can't be told apart at `RESOLUTION`
     /// is one hit.
     pub fn hits(&self, x: f64, y: f64) -> Vec<Hit> {
-        self.sights(DVec2::new(x, y), RESOLUTION, |_| f64::INFINITY).into_iter().map(|sight| sight.hit).collect()
+        self.sights(DVec2::new(x, y), 0.0, |_| f64::INFINITY).into_iter().map(|sight| sight.hit).collect()
     }
 
     /// What is seen no farther than `limit(depth of the nearest hit)`, nearest first, faces reaching beyond their trims.
@@ -130,7 +130,7 @@ impl<'a> Oracle<'a> {
     fn sights(&self, point: DVec2, reach: f64, limit: impl Fn(f64) -> f64) -> Vec<Sight> {
         let pixel = point - self.view.camera().center();
         let mut candidates = Vec::new();
-        self.hierarchy.visit(pixel, reach, |leaf, bounds| {
+        self.hierarchy.visit(pixel, reach + RESOLUTION, |leaf, bounds| {
             candidates.push((bounds.depth, leaf, bounds.contains(pixel, RESOLUTION)));
         });
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
@@ -191,8 +191,8 @@ impl<'a> Oracle<'a> {
     fn pass(&self, point: DVec2, widest: f64, (instance, face): (u32, u32), beyond: &mut Vec<Sight>) {
         let camera = self.view.camera();
         let Some(ray) = self.trims.ray(camera, instance, point) else { return };
-        let reach = |gap: f64, pixel: f64| gap.min(widest * pixel).max(RESOLUTION * pixel);
-        self.trims.passings(camera, &ray, face, widest, reach, |passing| {
+        let reach = |gap: f64, pixel: f64| gap.min(widest * pixel) + RESOLUTION * pixel;
+        self.trims.passings(camera, &ray, face, widest + RESOLUTION, reach, |passing| {
             let Passing { patch, parameter: [u, v], depth, distance, edge } = passing;
             let touching = distance <= RESOLUTION * camera.pixel_size(depth);
             // Beyond an edge that no other face has, the model goes on nowhere.

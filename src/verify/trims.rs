@@ -121,7 +121,7 @@ impl<'a> Trims<'a> {
         let scale = self.scene.instances.iter().map(|i| scale(&i.transform)).fold(0.0, f64::max);
         let pixels = self.gap * scale / camera.pixel_size(camera.near);
         // A gap that is not a number reaches as far as any.
-        if pixels < WIDEST_REACH { pixels.max(RESOLUTION) } else { WIDEST_REACH }
+        if pixels < WIDEST_REACH { pixels } else { WIDEST_REACH }
     }
 
     /// The ray through an image point; `None` where the instance has no inverse.

@@ -217,6 +217,6 @@ fn a_neighbour_in_the_reach_of_a_face_may_be_shown() {
     let left = exact.at(49, 50).unwrap();
     *exact.at(50, 50) = Some(on_wall(left, 50, 50));
     assert!(exact.report().passed(), "{:?}", exact.report().worst);
-    *exact.at(51, 50) = Some(on_wall(left, 51, 50));
+    *exact.at(52, 50) = Some(on_wall(left, 52, 50));
     assert_eq!(failures(&exact.report()), [0, 0, 1, 0], "{:?}", exact.report().worst);
 }
