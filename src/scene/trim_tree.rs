@@ -252,6 +252,20 @@ impl<'a> TrimTree<'a> {
         crossings.sort_unstable_by(f64::total_cmp);
     }
 
+    /// Calls `strip` with the range of u over which each curve runs between two heights; a curve may come several times.
+    pub fn strips(&self, [low, high]: [f64; 2], strip: &mut impl FnMut(f64, f64)) {
+        let (low, high) = (low.min(high), low.max(high));
+        let bounds = self.tree.bounds;
+        let row = ParameterBox { low: [bounds.low[0], low], high: [bounds.high[0], high] };
+        self.any(&row, &mut |s| {
+            if s.bounds().touches(&row) {
+                let [a, b] = [low, high].map(|v| s.crossing(&self.trims.points, 1, v));
+                strip(a.min(b), a.max(b));
+            }
+            false
+        });
+    }
+
     fn segment(&self, clip: &Clip) -> &'a Segment {
         &self.trims.segments[clip.segment as usize]
     }

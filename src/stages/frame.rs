@@ -13,7 +13,7 @@ use super::slefe;
 use super::stats::{Clock, Stats};
 use super::stroke::Pen;
 use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
-use super::trim::{gaps, trim};
+use super::trim::{gaps, textures, trim};
 use super::{Bound, Options, Trim};
 use crate::scene::{Camera, PatchTrim, Scene};
 use rayon::prelude::*;
@@ -128,7 +128,7 @@ impl<'a> Renderer<'a> {
         rasterize(&meshlets, &pens, options, camera.size, &mut targets);
         clock.stage("rasterize");
         let Leaves { leaves, nets, patches_visible } = leaves;
-        let shader = Shader {
+        let mut shader = Shader {
             scene: self.scene,
             lens: &lens,
             options,
@@ -136,7 +136,9 @@ impl<'a> Renderer<'a> {
             leaves: &leaves,
             nets: &nets,
             grids: &grids,
+            textures: Vec::new(),
         };
+        shader.textures = textures(&shader);
         let trim = meshlets.trim.plus(trim(&shader, &pens, &mut targets));
         clock.stage("trim");
         let mut filled = fill(&meshlets, options, camera.size, &mut targets);
@@ -155,6 +157,7 @@ impl<'a> Renderer<'a> {
             drawn: targets.near.par_iter().filter(|&&word| word != 0).count() as u64,
             trim,
             buffer_bytes: targets.bytes()
+                + shader.textures.iter().flatten().map(|t| t.bytes() as u64).sum::<u64>()
                 + (meshlets.bytes() + size_of_val(&nets[..]) + size_of_val(&leaves[..])) as u64,
         };
         Ok(Frame { camera: *camera, options: *options, stats, targets, leaves, grids, meshlets, filled })

@@ -20,6 +20,7 @@ mod stats;
 mod stroke;
 mod topology;
 mod trim;
+mod trim_texture;
 
 #[cfg(test)]
 mod tests;

@@ -83,7 +83,7 @@ fn search(shader: &Shader, number: u32, f: &Filled, behind: f32) -> Option<Hit> 
     let cut = Cut::new(shader.scene, shader.lens, shader.options, leaf);
     // Where the patch ends within the model's gap, its border stands in for what lies in it.
     let [border, gap] = trim::gaps(shader.scene, shader.lens, leaf);
-    let exact = EXACT + border as f32;
+    let exact = (EXACT + border as f32).min(HALF_PIXEL);
     let quads = shader.grids[number as usize].quads;
     let [x, y] = shader.target(leaf, pixel);
     let width = shader.lens.size[0];
@@ -106,7 +106,7 @@ fn search(shader: &Shader, number: u32, f: &Filled, behind: f32) -> Option<Hit> 
         for (k, &(_, triangle)) in starts.iter().enumerate().filter(|&(k, _)| batch.residual[k] <= exact) {
             let depth = shader.stored_depth(surface.depth_origin + batch.z[k]);
             let nearer = depth > behind && best.as_ref().is_none_or(|b| (depth, triangle) > (b.depth, b.triangle));
-            if nearer && cut.is_none_or(|cut| keeps(shader, &cut, &surface, &batch, k)) {
+            if nearer && cut.is_none_or(|cut| keeps(shader, number, &cut, &surface, &batch, k)) {
                 best = Some(Hit { depth, triangle, parameters: [batch.s[k], batch.t[k]] });
             }
         }

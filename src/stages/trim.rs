@@ -16,6 +16,7 @@ use super::settle::EXACT;
 use super::shade::Shader;
 use super::stroke::Pen;
 use super::topology::{FOLD, depth_of, meshlet_of, triangle_index, triangles, word};
+use super::trim_texture::Texture;
 use super::{Fill, Options};
 use crate::scene::{ParameterBox, Region, Scene, TrimTree};
 use rayon::prelude::*;
@@ -24,8 +25,8 @@ use serde::Serialize;
 /// Pixels a side of the largest blocks that are classified at once, and of those whose pixels are tested each.
 const LARGEST: i64 = 16;
 const SMALLEST: i64 = 2;
-/// Largest gap of the model, in pixels, that is closed; larger ones are shown.
-const MAX_GAP: f64 = 1.0;
+/// Pixels that a face reaches over its own gap at most, so that two faces close one of a pixel; larger ones are shown.
+const MAX_GAP: f64 = 0.5;
 /// Pixels that refinement leaves (1/512), and the rounding of f32 parameters on top of `Leaf::rounding`.
 const REFINED: f64 = 1.0 / 512.0 + 1.0 / 1024.0;
 /// The surface's parameters change up to this many times as fast as its triangle's.
@@ -87,6 +88,10 @@ impl<'a> Cut<'a> {
 
     pub fn to_plane(self, s: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| self.origin[k] + self.size[k] * s[k])
+    }
+
+    pub fn from_plane(self, p: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| (p[k] - self.origin[k]) / self.size[k])
     }
 
     /// Pixels within which a curve with this gap keeps points outside.
@@ -172,6 +177,20 @@ struct Trimmer<'a> {
     counts: TrimCounts,
     /// Fragments of the meshlet being drawn that have to be refined: pixel of the band, word.
     queue: Vec<(u32, u64)>,
+}
+
+/// The textures of `--trim texture`, by leaf; none otherwise.
+pub(super) fn textures(shader: &Shader) -> Vec<Option<Texture>> {
+    let Shader { scene, lens, options, leaves, nets, .. } = *shader;
+    if options.trim != super::Trim::Texture {
+        return Vec::new();
+    }
+    let texture = |leaf: &Leaf| {
+        let cut = Cut::new(scene, lens, options, leaf)?;
+        let net = &nets[leaf.net as usize..leaf.net as usize + leaf.points()];
+        Some(Texture::new(&cut, leaf, net, lens.perspective, options.tolerance))
+    };
+    leaves.par_iter().map(texture).collect()
 }
 
 /// Draws the meshlets that trim curves cross into the buffers that `rasterize` left.
@@ -312,17 +331,19 @@ impl Trimmer<'_> {
                 [batch.s[k], batch.t[k]] = shader.interpolated(leaf, fragment, pixel + offset);
                 [batch.x[k], batch.y[k]] = shader.target(&shader.leaves[leaf as usize], pixel + offset);
             }
-            shader.refine(&surface, shader.options.refine, &mut batch);
+            // A texture is as good as the interpolated parameters.
+            let rounds = if shader.options.trim == super::Trim::Texture { 0 } else { shader.options.refine };
+            shader.refine(&surface, rounds, &mut batch);
             for (k, &(pixel, fragment)) in fragments.iter().enumerate() {
                 self.counts.tested += 1;
-                if keeps(shader, cut, &surface, &batch, k) {
+                if keeps(shader, leaf, cut, &surface, &batch, k) {
                     let near = &mut band.near[pixel as usize];
                     *near = (*near).max(fragment);
                     continue;
                 }
                 self.counts.rejected += 1;
                 // It was not tested under the pixel's centre: whatever surface lies there is searched for.
-                let undecided = batch.residual[k] > EXACT && shader.options.refine > 0;
+                let undecided = batch.residual[k] > EXACT && rounds > 0;
                 if undecided && shader.options.fill == Fill::Stroke {
                     self.counts.proposed += 1;
                     band.spare_at(pixel, word(depth_of(fragment), meshlet_of(fragment), FOLD));
@@ -388,8 +409,11 @@ impl Quad {
 }
 
 /// A refined point is inside the loops, or on the screen within a curve's gap and rounding of one.
-pub(super) fn keeps(shader: &Shader, cut: &Cut, surface: &Surface, batch: &Batch, lane: usize) -> bool {
+pub(super) fn keeps(shader: &Shader, leaf: u32, cut: &Cut, surface: &Surface, batch: &Batch, lane: usize) -> bool {
     let s = [batch.s[lane], batch.t[lane]].map(f64::from);
+    if let Some(Some(texture)) = shader.textures.get(leaf as usize) {
+        return texture.contains(s);
+    }
     let p = cut.to_plane(s);
     if cut.tree.contains(p) {
         return true;

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3, DVec4};
 /// All names without `trimmed:`.
 pub const NAMES: [&str; 8] = ["plate", "wedge", "drilled", "gap", "ball", "bowl", "degree22", "touching"];
 
-/// How far the bore of `gap` is from the circles that it should meet.
+/// How far the bore of `gap` is from the circles that it should meet; the edge lies half way.
 const GAP: f64 = 2e-3;
 /// Slope and height of the plane that cuts `wedge`: z = SLOPE x + TOP.
 const SLOPE: f64 = 0.5;
@@ -26,7 +26,7 @@ pub fn part_of(name: &str) -> Option<Part> {
         "plate" => (Solidity::Open, vec![plate()]),
         "wedge" => (Solidity::Solid, wedge()),
         "drilled" => (Solidity::Solid, drilled(0.0)),
-        "gap" => (Solidity::Solid, drilled(GAP)),
+        "gap" => (Solidity::Open, drilled(GAP)),
         "ball" => (Solidity::Open, vec![ball()]),
         "bowl" => (Solidity::Open, vec![bowl()]),
         "degree22" => (Solidity::Open, vec![degree22()]),
@@ -137,7 +137,7 @@ fn cut_of(arc: &CurvePiece) -> BezierCurve {
     BezierCurve::from_points((0..4).map(|k| DVec4::new(u[k], v[k], 0.0, w[k])).collect())
 }
 
-/// The cube [-1, 1]³ with a bore of radius 0.6 along z; the bore is too wide by `gap`.
+/// The cube [-1, 1]³ with a bore of radius 0.6 along z; the bore is too narrow by `gap`.
 fn drilled(gap: f64) -> Vec<Face> {
     const RADIUS: f64 = 0.6;
     let turned = |x: DVec3, z: DVec3| Frame { origin: z, x, y: z.cross(x), z };
@@ -148,16 +148,17 @@ fn drilled(gap: f64) -> Vec<Face> {
         faces.push(face(1 + k as u32, SurfaceKind::Plane, plane(&turned(x, z), [1.0, 1.0]), loops));
     }
     for (k, z) in [DVec3::Z, -DVec3::Z].into_iter().enumerate() {
-        let loops = vec![rectangle([1.0, 1.0], 40), ellipse([0.0; 2], [RADIUS; 2], 50 + k as u32)];
+        let mut loops = vec![rectangle([1.0, 1.0], 40), ellipse([0.0; 2], [RADIUS; 2], 50 + k as u32)];
+        loops[1].curves.iter_mut().for_each(|c| c.gap = 0.5 * gap);
         faces.push(face(5 + k as u32, SurfaceKind::Plane, plane(&turned(DVec3::X, z), [1.0, 1.0]), loops));
     }
-    let bore = exact::cylinder(&Frame::IDENTITY, RADIUS + gap, [FULL, [-1.0, 1.0]]);
+    let bore = exact::cylinder(&Frame::IDENTITY, RADIUS - gap, [FULL, [-1.0, 1.0]]);
     let [(a, low), (b, high)] = [(FULL[0], -1.0), (FULL[1], 1.0)];
     let mut around =
         [line([a, low], [b, low], Some(51)), line([b, low], [b, high], None), line([b, high], [a, high], Some(50))]
             .to_vec();
     around.push(line([a, high], [a, low], None));
-    around.iter_mut().filter(|c| c.edge.is_some()).for_each(|c| c.gap = gap);
+    around.iter_mut().filter(|c| c.edge.is_some()).for_each(|c| c.gap = 0.5 * gap);
     let loops = vec![Loop { curves: around }];
     faces.push(Face { reversed: true, ..face(7, SurfaceKind::Cylinder, bore.into(), loops) });
     faces
