@@ -48,6 +48,9 @@ pub(super) struct Batch {
     pub z: [f32; LANES],
     /// `S_u x S_v` up to a positive factor, in the leaf's pixel-homogeneous axes.
     pub normal: [[f32; LANES]; 3],
+    /// Derivatives of x, y (pixels) and z (units) by s and by t.
+    pub ds: [[f32; LANES]; 3],
+    pub dt: [[f32; LANES]; 3],
 }
 
 /// The surface at eight parameters, divided: position (x, y in pixels, z about the depth origin) and derivatives.
@@ -130,6 +133,8 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
     point.z.store_slice(&mut batch.z);
     for k in 0..3 {
         point.normal[k].store_slice(&mut batch.normal[k]);
+        point.ds[k].store_slice(&mut batch.ds[k]);
+        point.dt[k].store_slice(&mut batch.dt[k]);
     }
 }
 
