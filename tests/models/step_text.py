@@ -51,7 +51,7 @@ class Step:
         self.known = {}
         self.instances = 1
         self.bounds = None
-        self.tolerance = 1e-6
+        self.tolerance = 1e-5
 
     def entity(self, text):
         self.records.append(text)
