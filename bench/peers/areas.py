@@ -4,13 +4,15 @@
 Run with target/peers/venv/bin/python (setup.sh makes it). Each face is named by the entity number of its ADVANCED_FACE,
 through the map that the transfer leaves behind, and counted once an instance.
 
-Three figures a face:
+Three areas a face:
 - `area`: BRepGProp::SurfaceProperties with a tolerance (`--eps`), the adaptive integral on the exact surface inside the
   face's pcurves. No mesh. This one is meant when two readers are compared: circular and elliptic trims come out right
   to nine digits.
 - `gauss`: the same without a tolerance: a fixed number of points a span, off by up to 1e-4 at circular trims.
 - `mesh` (with `--mesh`): two triangulations of the face, extrapolated to zero deflection; slow and good to about 1e-4
   on curved faces, but it shares nothing with the quadrature, so it can say which of two readers is right.
+`gap` is how far the face's pcurves are from its edges in space: Open CASCADE integrates inside the pcurves, so where
+the gap is not small a reader that follows the edges gets another area and is right.
 `doubtful` lists the faces whose first two differ by more than 1e-4 of the face: there the peer disagrees with itself.
 """
 
@@ -22,6 +24,7 @@ import tempfile
 from pathlib import Path
 
 from OCP.BRep import BRep_Tool
+from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Curve2d, BRepAdaptor_Surface
 from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 from OCP.BRepGProp import BRepGProp
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
@@ -32,10 +35,11 @@ from OCP.BRepBndLib import BRepBndLib
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.Message import Message
 from OCP.STEPControl import STEPControl_Reader
-from OCP.TopAbs import TopAbs_FACE
+from OCP.TopAbs import TopAbs_EDGE, TopAbs_FACE
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS
+from OCP.gp import gp_Pnt2d
 
 RECORD = re.compile(rb"(?:^|;)\s*#(\d+)\s*=\s*(\w*)", re.M)
 COMMENT = re.compile(rb"/\*.*?\*/", re.S)
@@ -114,6 +118,24 @@ def integral(face, eps=None):
     return abs(properties.Mass())
 
 
+def gap(face, samples=8):
+    """Largest distance in mm between the face's pcurves and its edges in space, at the same parameters."""
+    surface, point, largest = BRepAdaptor_Surface(face, False), gp_Pnt2d(), 0.0
+    explorer = TopExp_Explorer(face, TopAbs_EDGE)
+    while explorer.More():
+        edge = TopoDS.Edge(explorer.Current())
+        explorer.Next()
+        if BRep_Tool.Degenerated_s(edge):
+            continue
+        space, plane = BRepAdaptor_Curve(edge), BRepAdaptor_Curve2d(edge, face)
+        first, last = plane.FirstParameter(), plane.LastParameter()
+        for index in range(samples + 1):
+            parameter = first + (last - first) * index / samples
+            plane.D0(parameter, point)
+            largest = max(largest, space.Value(parameter).Distance(surface.Value(point.X(), point.Y())))
+    return largest
+
+
 def meshed(face, deflection):
     copy = TopoDS.Face(BRepBuilderAPI_Copy(face).Shape())
     BRepTools.Clean_s(copy)
@@ -154,7 +176,7 @@ def measure(path, eps, mesh):
         # One entity can have several faces: the reader splits some.
         key = (number, len(rows))
         bare_faces.setdefault(hash(bare), []).append((bare, key))
-        row = {"id": number, "instances": 1, "area": integral(face, eps), "gauss": integral(face)}
+        row = {"id": number, "instances": 1, "area": integral(face, eps), "gauss": integral(face), "gap": gap(face)}
         if mesh:
             row["mesh"] = extrapolated(face)
         rows[key] = row
