@@ -19,8 +19,8 @@ PEER = ROOT / "target/peers/venv/bin/python"
 CACHE = ROOT / "target/peers/areas"
 TOTAL, FACE = 1e-5, 1e-3
 
-# The file's pcurves run up to 0.06 mm beside its edges, and Open CASCADE integrates inside the pcurves; what follows is
-# inside the edges. The corners of the rounded cube are octants of a sphere, r = 0.29: pi r² / 2. The inner edges are
+# The pcurves that Open CASCADE makes here (the file has none) run up to 0.06 mm beside the edges, and it integrates
+# inside them; what follows is inside the edges. The corners of the rounded cube are octants of a sphere, r = 0.29: pi r² / 2. The inner edges are
 # quarters of a cylinder, 0.92 long, with tips where three meet: r 0.92 pi / 2 + 4 r² (pi / 4 - sin(pi / 4)). Where the
 # inner edges meet there is only the peer's own triangulation, which follows the edges; it is good to 2e-4.
 R = 0.29
