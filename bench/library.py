@@ -1,6 +1,7 @@
 """What bench/library.sh does with the unpacked library: reads all of it, draws all of it, checks sampled pixels.
 
-`library.py report FOLDER RESULTS` and `library.py sample FOLDER > bench/library_sample.txt`.
+`library.py report FOLDER RESULTS [LIST]`, `library.py sample FOLDER > bench/library_sample.txt`, and
+`library.py files FOLDER [LIST]`: file by file, those that fail, lose faces or have another number than the text.
 """
 
 import json
@@ -13,6 +14,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from datetime import date
 from pathlib import Path
 
@@ -115,6 +117,7 @@ def report(folder, results, limit=None):
     info, checked = parsed(info_run) or {}, parsed(verify) or {}
     stats = json.loads(stats_file.read_text()) if render["code"] == 0 and stats_file.is_file() else None
     warnings = Counter(kind_of(w) for w in info.get("warnings", []))
+    read = info_run["code"] == 0 and bool(info)
     lost = info.get("lost") or []
     lost = lost if isinstance(lost, list) else [str(lost)]
     data = {
@@ -122,8 +125,8 @@ def report(folder, results, limit=None):
         "files": len(files), "bytes_of_text": size, "face_entities": entities,
         "info": {k: v for k, v in info.items() if k not in ("warnings", "faces_list", "lost", "model")},
         "info_seconds": info_run["seconds"], "info_peak_mb": info_run["peak_mb"], "info_errors": info_run["errors"][-2000:],
-        "lost": len(lost), "lost_by_kind": Counter(kind_of(w) for w in lost).most_common(40),
-        "warnings": sum(warnings.values()), "warnings_by_kind": warnings.most_common(40),
+        "info_exit": info_run["code"], "lost": len(lost) if read else None, "lost_by_kind": Counter(kind_of(w) for w in lost).most_common(40),
+        "warnings": sum(warnings.values()) if read else None, "warnings_by_kind": warnings.most_common(40),
         "render_seconds": render["seconds"], "render_peak_mb": render["peak_mb"], "render_exit": render["code"],
         "render_errors": render["errors"][-2000:], "stats": stats,
         "verify_seconds": verify["seconds"], "verify_peak_mb": verify["peak_mb"], "verify_exit": verify["code"],
@@ -136,6 +139,28 @@ def report(folder, results, limit=None):
     return 0 if info_run["code"] == render["code"] == verify["code"] == 0 else 1
 
 
+def check_file(path):
+    """What is wrong with one file, or None."""
+    result = run([PROGRAM, "info", path, "--json"], 600)
+    info = parsed(result)
+    if info is None:
+        return f"exit {result['code']} after {result['seconds']:.1f} s: {result['errors'].strip()[-300:]}"
+    entities, lost = count_faces(path), info.get("lost") or []
+    complaint = f"{info['unique_faces']} faces for {entities} in the text, {len(lost)} lost {lost[:2]}"
+    return complaint if lost or info["unique_faces"] != entities else None
+
+
+def check_files(paths, root):
+    wrong = 0
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for path, complaint in zip(paths, pool.map(check_file, paths)):
+            if complaint:
+                wrong += 1
+                print(f"{path.relative_to(root)}: {complaint}", flush=True)
+    print(f"{len(paths)} files, {wrong} to look at")
+    return 1 if wrong else 0
+
+
 def stages_of(stats):
     """(stage, milliseconds) rows, whatever nests them."""
     rows = stats if isinstance(stats, list) else stats.get("stages", []) if isinstance(stats, dict) else []
@@ -144,21 +169,26 @@ def stages_of(stats):
     return [(row.get("stage") or row.get("name"), row.get("ms")) for row in rows if isinstance(row, dict)]
 
 
+def shown(count):
+    return "-" if count is None else count
+
+
 def markdown(data):
-    info, checked = data["info"], data["verify"]
+    info, checked = data["info"], data["verify"] or {}
+    done = lambda what, text: text if data[f"{what}_exit"] == 0 else "-"
     mb = data["bytes_of_text"] / 1e6
     worst = lambda key: (checked.get(key) or {}).get("max", "-")
     rows = [
         ("files", data["files"]), ("text, MB", f"{mb:.1f}"), ("ADVANCED_FACE in the text", data["face_entities"]),
         ("unique faces read", info.get("unique_faces", "-")), ("faces drawn", info.get("faces", "-")),
-        ("faces lost", data["lost"]), ("Bézier patches", info.get("bezier_patches", "-")),
+        ("faces lost", shown(data["lost"])), ("Bézier patches", info.get("bezier_patches", "-")),
         ("bytes of the scene, MB", f"{info['bytes'] / 1e6:.0f}" if info.get("bytes") else "-"),
-        ("warnings", data["warnings"]),
-        ("`info`: read, measure, prepare, s", f"{data['info_seconds']:.1f}"),
-        ("`render`, whole process, s", f"{data['render_seconds']:.1f}"),
-        ("text over that, MB/s", f"{mb / data['render_seconds']:.1f}"),
-        ("`render`, peak memory, MB", f"{data['render_peak_mb']:.0f}"),
-        ("`verify`, s", f"{data['verify_seconds']:.1f}"),
+        ("warnings", shown(data["warnings"])),
+        ("`info`: read, measure, prepare, s", done("info", f"{data['info_seconds']:.1f}")),
+        ("`render`, whole process, s", done("render", f"{data['render_seconds']:.1f}")),
+        ("text over that, MB/s", done("render", f"{mb / data['render_seconds']:.1f}")),
+        ("`render`, peak memory, MB", done("render", f"{data['render_peak_mb']:.0f}")),
+        ("`verify`, s", "-" if data["verify_exit"] not in (0, 1) else f"{data['verify_seconds']:.1f}"),
         *((what, checked.get(what, "-")) for what in
           ("pixels", "drawn", "violations", "cracks", "covering_failures", "depth_failures")),
         ("grid error, max px", worst("grid_error_px")), ("parametric error, max px", worst("parametric_error_px")),
@@ -176,7 +206,7 @@ def markdown(data):
         if data[key]:
             text += f"\n## {title}\n\n" + table(("count", "kind"), [(count, kind) for kind, count in data[key]])
     for what in ("info", "render", "verify"):
-        if data[f"{what}_errors"] and data.get(f"{what}_exit", 0):
+        if data[f"{what}_errors"] and data[f"{what}_exit"]:
             text += f"\n`{what}` failed: {data[f'{what}_errors'].strip().splitlines()[-1]}\n"
     return text
 
@@ -185,6 +215,10 @@ def main(arguments):
     match arguments:
         case ["sample", folder]:
             print("\n".join(sample(Path(folder))))
+        case ["files", folder]:
+            return check_files(step_files(folder), folder)
+        case ["files", folder, names]:
+            return check_files([Path(folder) / name for name in Path(names).read_text().split()], folder)
         case ["report", folder, results]:
             return report(Path(folder), Path(results))
         case ["report", folder, results, names]:
