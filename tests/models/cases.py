@@ -205,19 +205,19 @@ def _(s):
 
 @case("bounds_reversed", "Bounds with orientation .F., edges with same_sense .F., a face against its surface")
 def _(s):
-    corners = [(0.0, 0.0, 0.0), (0.0, 3.0, 0.0), (4.0, 3.0, 0.0), (4.0, 0.0, 0.0)]
+    corners = [(0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (4.0, 3.0, 0.0), (0.0, 3.0, 0.0)]
     edges = [s.edge(a, b, s.line(b, a), same=False) for a, b in zip(corners, corners[1:] + corners[:1])]
     circle = s.circle((2.0, 1.5, 0.0), Z, X, 1.0)
     # From 0 to 90 degrees along the circle, and from 0 to 90 degrees the long way round.
     a, b = (3.0, 1.5, 0.0), (2.0, 2.5, 0.0)
     short, long = s.edge(a, b, circle), s.edge(a, b, circle, same=False)
-    bounds = [s.bound(s.loop(*edges), outer=True, same=False), s.bound(s.loop(short, "-" + long), same=False)]
+    bounds = [s.bound(s.loop(*edges), outer=True, same=False), s.bound(s.loop(long, "-" + short), same=False)]
     s.product("part", s.shells([s.face(s.plane(), bounds, 12 - pi, same=False)]))
 
 
 @case("hole_touches_outer", "A circular hole that touches the outer loop in one point")
 def _(s):
-    s.product("part", s.shells([rectangle(s, 4.0, 4.0, s.loop(s.arc_edge((2.0, 1.0, 0.0), Z, X, 1.0)), 16 - pi)]))
+    s.product("part", s.shells([rectangle(s, 4.0, 4.0, s.loop("-" + s.arc_edge((2.0, 1.0, 0.0), Z, X, 1.0)), 16 - pi)]))
 
 
 @case("hole_shares_vertex", "A triangular hole with one corner on the corner of the outer loop")
@@ -551,8 +551,8 @@ def paraboloid(s):
 @case("revolution_pole", "A paraboloid down to its pole, bounded by its rim and a vertex loop")
 def _(s):
     _, surface = paraboloid(s)
-    # Seen along the normal, which points inward, the rim runs the other way round.
-    rim = s.loop(s.arc_edge((0.0, 0.0, 1.0), Z, X, 1.0))
+    # The normal points out of the bowl: seen from there the face lies to the left of a rim that runs clockwise about z.
+    rim = s.loop("-" + s.arc_edge((0.0, 0.0, 1.0), Z, X, 1.0))
     pole = s.entity(f"VERTEX_LOOP('',{s.vertex(ORIGIN)})")
     s.product("part", s.shells([s.face(surface, [rim, pole], PARABOLOID)]))
 
@@ -563,7 +563,7 @@ def _(s):
     turned = s.bspline_curve(2, [(0.0, 0.0, 0.0), (0.0, 0.5, 0.0), (0.0, 1.0, 1.0)], [3, 3], [0.0, 1.0])
     first, last = s.edge(ORIGIN, (1.0, 0.0, 1.0), meridian), s.edge(ORIGIN, (0.0, 1.0, 1.0), turned)
     rim = s.arc_edge((0.0, 0.0, 1.0), Z, X, 1.0, 0.0, pi / 2)
-    s.product("part", s.shells([s.face(surface, [s.loop(first, rim, "-" + last)], PARABOLOID / 4)]))
+    s.product("part", s.shells([s.face(surface, [s.loop(last, "-" + rim, "-" + first)], PARABOLOID / 4)]))
 
 
 def parameter_curve(s, surface, points):

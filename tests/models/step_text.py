@@ -28,6 +28,10 @@ def names(items):
     return "(" + ",".join(items) + ")"
 
 
+def quoted(text):
+    return text.replace("'", "''")
+
+
 def flag(b):
     return ".T." if b else ".F."
 
@@ -187,7 +191,7 @@ class Step:
         lines = "".join(f"#{number}={record};\n" for number, record in enumerate(self.records, 1))
         return (
             "ISO-10303-21;\nHEADER;\n"
-            f"FILE_DESCRIPTION(('{self.note}'),'2;1');\nFILE_NAME('{self.name}','',(''),(''),'','halfpixel tests','');\n"
+            f"FILE_DESCRIPTION(('{quoted(self.note)}'),'2;1');\nFILE_NAME('{self.name}','',(''),(''),'','halfpixel tests','');\n"
             "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));\nENDSEC;\n"
             f"DATA;\n{lines}ENDSEC;\nEND-ISO-10303-21;\n")
 
