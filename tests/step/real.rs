@@ -42,7 +42,7 @@ fn every_face_of_every_file() -> Result<(), ImportError> {
             model.warnings.len(),
             1e3 * seconds
         );
-        for warning in model.warnings.iter().take(5) {
+        for warning in model.warnings.iter().take(3) {
             println!("    {}", warning.message);
         }
         for lost in model.lost.iter().take(5) {

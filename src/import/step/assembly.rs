@@ -8,13 +8,12 @@ use super::error::StepError;
 use super::file::{Entity, File};
 use super::items::{Contents, Walker};
 use super::kinds::Kind;
-use super::place::Shapes;
+use super::place::{Log, Shapes};
 use super::products::{Products, Usage};
 use super::styles::Styles;
 use super::units::Units;
 use crate::model::Warning;
 use glam::DAffine3;
-use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 
 /// A representation with its items.
@@ -56,7 +55,7 @@ struct Builder<'f, 'a> {
     /// The parent in the forest of joined representations.
     joined: Vec<usize>,
     units: HashMap<u32, Units>,
-    notes: RefCell<Vec<Warning>>,
+    log: Log,
 }
 
 /// Reads the whole structure.
@@ -68,7 +67,7 @@ pub(super) fn assemble(file: &File, styles: &Styles) -> Assembly {
         by_id: HashMap::new(),
         joined: Vec::new(),
         units: HashMap::new(),
-        notes: RefCell::new(Vec::new()),
+        log: Log::default(),
     };
     builder.find_representations();
     builder.join_plain_relationships();
@@ -80,7 +79,7 @@ impl<'f, 'a> Builder<'f, 'a> {
         let message = error.to_string();
         // Messages of errors name their entity, not always this one.
         let message = if message.starts_with('#') { message } else { format!("#{entity}: {message}") };
-        self.notes.borrow_mut().push(Warning { entity: Some(entity), message });
+        self.log.notes.borrow_mut().push(Warning { entity: Some(entity), message });
     }
 
     fn find_representations(&mut self) {
@@ -153,13 +152,14 @@ impl<'f, 'a> Builder<'f, 'a> {
     }
 
     fn shapes(&self, units: Units) -> Shapes<'_, 'a> {
-        Shapes { file: self.file, units, notes: &self.notes }
+        Shapes { file: self.file, units, log: &self.log }
     }
 
     fn build(self) -> Assembly {
         let products = Products::new(self.file);
+        let budget = 1000 + 16 * self.file.len();
         let mut nodes: Vec<Node> = self.representations.iter().map(|_| Node::default()).collect();
-        let mut walker = Walker { file: self.file, styles: self.styles, met: HashSet::new() };
+        let mut walker = Walker { file: self.file, styles: self.styles, met: HashSet::new(), budget };
         let mut lost = Vec::new();
         // An item of two joined representations is there once.
         let mut seen: HashSet<(usize, u32)> = HashSet::new();
@@ -185,7 +185,7 @@ impl<'f, 'a> Builder<'f, 'a> {
         self.place_usages(&products, &mut nodes);
         let orphans = self.orphans(&mut walker, &mut lost);
         nodes.extend(orphans);
-        Assembly { nodes, warnings: self.notes.take(), lost }
+        Assembly { nodes, warnings: self.log.notes.take(), lost }
     }
 
     fn mapped(&self, mapped: &super::items::Mapped, parent: &Representation) -> Result<Child, StepError> {
@@ -301,7 +301,7 @@ impl<'f, 'a> Builder<'f, 'a> {
         }
         let first = contents.solid.first().or(contents.open.first()).map(|f| f.id);
         let message = format!("{count} shapes belong to no representation; they are shown where they are");
-        self.notes.borrow_mut().push(Warning { entity: first, message });
+        self.log.notes.borrow_mut().push(Warning { entity: first, message });
         Some(Node { groups: vec![(units, contents)], ..Node::default() })
     }
 

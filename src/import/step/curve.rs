@@ -7,12 +7,8 @@ use super::invert::End;
 use super::join::joined;
 use super::kinds::Kind;
 use super::place::Shapes;
-use crate::geometry::exact::Frame;
 use crate::geometry::{CurveForm, CurveSpan, NurbsCurve};
 use glam::DVec3;
-
-/// Curves of curves may not nest deeper.
-pub(super) const MAX_DEPTH: u8 = 16;
 
 /// A curve as the file has it.
 #[derive(Clone, Debug)]
@@ -28,10 +24,9 @@ impl Shapes<'_, '_> {
         self.curve_at(id, 0)
     }
 
-    fn curve_at(&self, id: u32, depth: u8) -> Result<Curve, StepError> {
-        if depth > MAX_DEPTH {
-            return Err(StepError::Depth(id));
-        }
+    /// A curve at some depth of a nest of curves and surfaces.
+    pub fn curve_at(&self, id: u32, depth: u8) -> Result<Curve, StepError> {
+        self.step_into(id, depth)?;
         let entity = self.file.get(id)?;
         if let Some(curve) = self.spline_curve(&entity) {
             return Ok(Curve::Whole(CurveForm::Nurbs(curve?)));
@@ -61,7 +56,7 @@ impl Shapes<'_, '_> {
                 let axis = if flat { DVec3::Z } else { self.direction(args.skip(1).reference()?)? };
                 self.offset_curve(id, basis, distance, axis)?
             }
-            Kind::Pcurve => return bad(id, "a pcurve without its curve in space"),
+            Kind::Pcurve => self.curve_on_surface(id, depth + 1)?,
             Kind::CurveReplica => {
                 let parent = self.curve_at(args.reference()?, depth + 1)?;
                 let map = self.map(args.reference()?)?;
@@ -189,24 +184,4 @@ pub(super) fn whole_range(form: &CurveForm) -> Option<[f64; 2]> {
 /// The same spans from their end to their start.
 pub(super) fn backward(spans: Vec<CurveSpan>) -> Vec<CurveSpan> {
     spans.into_iter().rev().map(|s| CurveSpan { range: [s.range[1], s.range[0]], ..s }).collect()
-}
-
-/// Point and derivative.
-pub(super) fn tangent(form: &CurveForm, t: f64) -> (DVec3, DVec3) {
-    let place =
-        |frame: &Frame, [x, y]: [f64; 2], [dx, dy]: [f64; 2]| (frame.point(x, y, 0.0), frame.x * dx + frame.y * dy);
-    match form {
-        CurveForm::Line { origin, direction } => (*origin + *direction * t, *direction),
-        CurveForm::Ellipse { frame, radii: [a, b] } => {
-            let (s, c) = t.sin_cos();
-            place(frame, [a * c, b * s], [-a * s, b * c])
-        }
-        CurveForm::Parabola { frame, focal } => {
-            place(frame, [focal * t * t, 2.0 * focal * t], [2.0 * focal * t, 2.0 * focal])
-        }
-        CurveForm::Hyperbola { frame, radii: [a, b] } => {
-            place(frame, [a * t.cosh(), b * t.sinh()], [a * t.sinh(), b * t.cosh()])
-        }
-        CurveForm::Nurbs(curve) => curve.tangent(t),
-    }
 }

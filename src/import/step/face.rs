@@ -1,28 +1,28 @@
 //! Faces with their loops (ISO 10303-42, clause 5), ready for the parameter plane.
 
 use super::args::Args;
-use super::curve::{Curve, MAX_DEPTH, backward, tangent, whole_range};
+use super::curve::{Curve, backward};
 use super::error::{StepError, bad};
 use super::invert::End;
 use super::items::FaceUse;
 use super::kinds::Kind;
-use super::place::Shapes;
+use super::place::{MAX_DEPTH, Shapes};
 use super::surface::Basis;
 use crate::geometry::exact::Frame;
-use crate::geometry::{CurveForm, CurveSpan, NurbsCurve, SurfaceForm};
+use crate::geometry::{CurveForm, CurveSpan, SurfaceForm};
 use crate::import::brep::{Bound, EdgeUse, FaceSource};
 use crate::model::SurfaceKind;
 use glam::DVec3;
 
 /// An edge's curve without what trims it.
-struct EdgeGeometry {
-    curve: Curve,
+pub(super) struct EdgeGeometry {
+    pub curve: Curve,
     /// The edge runs along the curve from its start vertex.
-    forward: bool,
+    pub forward: bool,
     /// What the file associates with it: pcurves.
-    associated: Vec<u32>,
+    pub associated: Vec<u32>,
     /// What one parameter of the file's is in ours.
-    scale: f64,
+    pub scale: f64,
 }
 
 impl Shapes<'_, '_> {
@@ -147,24 +147,6 @@ impl Shapes<'_, '_> {
         Ok(Some(Bound::Edges(edges)))
     }
 
-    /// The boundary curves of a curve-bounded surface.
-    fn boundaries(&self, basis: &Basis) -> Result<Vec<Bound>, StepError> {
-        let Some((curves, _)) = &basis.boundaries else { return Ok(Vec::new()) };
-        let mut bounds = Vec::new();
-        for &curve in curves {
-            let entity = self.file.get(curve)?;
-            let mut edges = Vec::new();
-            for segment in entity.args()?.skip(1).references()? {
-                let spans = self.segment(segment, 0)?;
-                let ends = spans.first().zip(spans.last()).map(|(f, l)| ends(f, l));
-                let pcurves = Vec::new();
-                edges.extend(ends.map(|ends| EdgeUse { edge: segment, spans, pcurves, ends }));
-            }
-            bounds.push(Bound::Edges(edges));
-        }
-        Ok(bounds)
-    }
-
     fn poly_loop(&self, ids: Vec<u32>) -> Result<Vec<EdgeUse>, StepError> {
         let points = self.points(&ids)?;
         let mut edges = Vec::new();
@@ -224,7 +206,7 @@ impl Shapes<'_, '_> {
     }
 
     /// Vertices trim an edge; what trims its curve besides is passed over.
-    fn edge_geometry(&self, id: u32, same_sense: bool) -> Result<EdgeGeometry, StepError> {
+    pub fn edge_geometry(&self, id: u32, same_sense: bool) -> Result<EdgeGeometry, StepError> {
         let (mut id, mut forward) = (id, same_sense);
         let mut associated = Vec::new();
         for _ in 0..MAX_DEPTH {
@@ -250,61 +232,6 @@ impl Shapes<'_, '_> {
         }
         Err(StepError::Depth(id))
     }
-
-    /// The file's pcurves of an edge on this surface, with the edge's own parameters; those that can't be read are no
-    /// loss, the edge itself is projected then.
-    fn pcurves(&self, edge: &EdgeGeometry, spans: &[CurveSpan], basis: &Basis) -> Vec<Vec<CurveSpan>> {
-        let on_surface = |&id: &u32| {
-            let mut args = self.file.args(id, Kind::Pcurve, "a pcurve").ok()?.skip(1);
-            let surface = args.reference().ok()?;
-            let curve = args.reference().ok().filter(|_| basis.ids.contains(&surface))?;
-            let mut items = self.file.args(curve, Kind::DefinitionalRepresentation, "a curve").ok()?.skip(1);
-            let curve = *items.references().ok()?.first()?;
-            let EdgeGeometry { curve, forward, .. } = self.plain().edge_geometry(curve, edge.forward).ok()?;
-            let Curve::Whole(form) = curve else { return None };
-            if forward != edge.forward {
-                return None;
-            }
-            let form = scaled(form, basis.scale)?;
-            let full = match &edge.curve {
-                Curve::Whole(own) => whole_range(own),
-                Curve::Pieces(_) => None,
-            };
-            let ranges = spans.iter().map(|s| matching_range(&form, s.range.map(|t| t / edge.scale), full));
-            ranges.map(|range| range.map(|range| CurveSpan { curve: form.clone(), range })).collect()
-        };
-        edge.associated.iter().filter_map(on_surface).collect()
-    }
-}
-
-/// The range of a pcurve that goes with a range of the edge: the same, or all of it for all of the edge's curve.
-fn matching_range(form: &CurveForm, range: [f64; 2], full: Option<[f64; 2]>) -> Option<[f64; 2]> {
-    let CurveForm::Nurbs(curve) = form else { return Some(range) };
-    let [a, b] = curve.domain();
-    let slack = 1e-9 * (b - a);
-    if range.iter().all(|t| (a - slack..=b + slack).contains(t)) {
-        return Some(range.map(|t| t.clamp(a, b)));
-    }
-    let all = |[c, d]: [f64; 2]| if range == [c, d] { Some([a, b]) } else { (range == [d, c]).then_some([b, a]) };
-    full.and_then(all)
-}
-
-/// A curve of the parameter plane with u and v in our units; `None` for arcs that are no arcs any more.
-fn scaled(form: CurveForm, scale: [f64; 2]) -> Option<CurveForm> {
-    if scale == [1.0; 2] {
-        return Some(form);
-    }
-    let factor = DVec3::new(scale[0], scale[1], 1.0);
-    match form {
-        CurveForm::Line { origin, direction } => {
-            Some(CurveForm::Line { origin: origin * factor, direction: direction * factor })
-        }
-        CurveForm::Nurbs(curve) => {
-            let points = curve.points().iter().map(|p| *p * factor.extend(1.0)).collect();
-            NurbsCurve::new("", curve.degree(), curve.knots().to_vec(), points).ok().map(CurveForm::Nurbs)
-        }
-        _ => None,
-    }
 }
 
 /// The same edge from its end to its start.
@@ -315,10 +242,6 @@ fn turned(edge: EdgeUse) -> EdgeUse {
         pcurves: edge.pcurves.into_iter().map(backward).collect(),
         ends: [edge.ends[1], edge.ends[0]],
     }
-}
-
-fn ends(first: &CurveSpan, last: &CurveSpan) -> [DVec3; 2] {
-    [tangent(&first.curve, first.range[0]).0, tangent(&last.curve, last.range[1]).0]
 }
 
 /// The mean of a bound's vertices.

@@ -55,6 +55,11 @@ impl<'a> File<'a> {
         (Self { text, records, index }, twice)
     }
 
+    /// Number of entities.
+    pub fn len(&self) -> usize {
+        self.records.len()
+    }
+
     fn entity(&self, record: Record) -> Entity<'a> {
         Entity { id: record.id, kind: record.kind, text: self.text, at: record.at as usize }
     }

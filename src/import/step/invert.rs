@@ -1,6 +1,6 @@
 //! Which part of a curve lies between two points of it.
 
-use super::curve::{Curve, backward, tangent};
+use super::curve::{Curve, backward};
 use crate::geometry::exact::Frame;
 use crate::geometry::{CurveForm, CurveSpan, NurbsCurve};
 use glam::DVec3;
@@ -60,9 +60,9 @@ fn ranges(form: &CurveForm, [t0, t1]: [f64; 2], forward: bool, same: bool, toler
         }
         CurveForm::Nurbs(curve) => {
             let [a, b] = curve.domain();
-            let gap = curve.position(a).distance(curve.position(b));
             // Both ends at one vertex: the curve is meant to close, be it a little off.
-            let closed = gap <= tolerance || (same && gap <= 1e-2 * length(curve));
+            let slack = if same { tolerance.max(1e-2 * length(curve)) } else { tolerance };
+            let closed = form.period(slack).is_some();
             if !closed {
                 return vec![[t0, t1]];
             }
@@ -160,8 +160,7 @@ struct Place {
 fn between_pieces(spans: &[CurveSpan], start: End, end: End, tolerance: f64) -> Vec<CurveSpan> {
     let (End::Point(from), End::Point(to)) = (start, end) else { return spans.to_vec() };
     let ends = spans.first().zip(spans.last());
-    let Some((first, last)) = ends.map(|(f, l)| (tangent(&f.curve, f.range[0]).0, tangent(&l.curve, l.range[1]).0))
-    else {
+    let Some((first, last)) = ends.map(|(f, l)| (f.ends()[0], l.ends()[1])) else {
         return Vec::new();
     };
     if first.distance(from) <= tolerance && last.distance(to) <= tolerance {
@@ -211,7 +210,7 @@ fn locate(spans: &[CurveSpan], point: DVec3, tolerance: f64) -> Option<Place> {
             };
         }
         let t = t.clamp(low, high);
-        (tangent(&span.curve, t).0.distance_squared(point), Place { piece, t })
+        (span.curve.position(t).distance_squared(point), Place { piece, t })
     });
     places.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
 }

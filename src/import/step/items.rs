@@ -9,6 +9,8 @@ use std::collections::HashSet;
 
 /// Items of items may not nest deeper.
 const MAX_DEPTH: u8 = 16;
+/// Messages of lost items that are kept of one representation.
+const MAX_LOST: usize = 10_000;
 
 /// A face as a shell, or a surface as a set, uses it.
 #[derive(Clone, Debug)]
@@ -45,6 +47,8 @@ pub(super) struct Walker<'f, 'a> {
     pub file: &'f File<'a>,
     pub styles: &'f Styles,
     pub met: HashSet<u32>,
+    /// Items that may still be walked through: nests with branches grow like powers.
+    pub budget: usize,
 }
 
 /// What an item passes on to its faces.
@@ -64,16 +68,19 @@ impl Walker<'_, '_> {
     }
 
     fn follow(&mut self, id: u32, from: Inherited, contents: &mut Contents) {
-        if let Err(error) = self.try_follow(id, from, contents) {
+        if let Err(error) = self.try_follow(id, from, contents)
+            && contents.lost.len() < MAX_LOST
+        {
             let message = format!("#{id} is lost: {error}");
             contents.lost.push(Warning { entity: Some(id), message });
         }
     }
 
     fn try_follow(&mut self, id: u32, from: Inherited, contents: &mut Contents) -> Result<(), StepError> {
-        if from.depth > MAX_DEPTH {
+        if from.depth > MAX_DEPTH || self.budget == 0 {
             return Err(StepError::Depth(id));
         }
+        self.budget -= 1;
         self.met.insert(id);
         let entity = self.file.get(id)?;
         let color = self.styles.item(id).or(from.color);

@@ -1,9 +1,9 @@
 //! One B-spline from several curves, and B-splines that follow what has no exact form.
 
-use super::curve::{Curve, tangent};
+use super::curve::Curve;
 use super::error::{StepError, bad};
 use super::place::Shapes;
-use crate::geometry::{BezierCurve, CurveForm, CurvePiece, CurveSpan, MAX_DEGREE, NurbsCurve, exact};
+use crate::geometry::{BezierCurve, CurveForm, CurvePiece, CurveSpan, NurbsCurve};
 use glam::{DAffine3, DVec3, DVec4};
 
 /// An approximation stays this close to what it follows, in millimetres.
@@ -13,12 +13,12 @@ const MAX_PIECES: usize = 4096;
 
 /// All spans as one curve, moved by `map`; its parameter is that of the spans one after the other. Exact.
 pub(super) fn joined(id: u32, spans: &[CurveSpan], map: &DAffine3) -> Result<NurbsCurve, StepError> {
-    let pieces: Vec<CurvePiece> = spans.iter().flat_map(bezier_pieces).collect();
+    let pieces: Vec<CurvePiece> = spans.iter().flat_map(CurveSpan::pieces).collect();
     of_pieces(id, &pieces, map)
 }
 
 /// Pieces in order as one curve, continuous where they meet.
-fn of_pieces(id: u32, pieces: &[CurvePiece], map: &DAffine3) -> Result<NurbsCurve, StepError> {
+pub(super) fn of_pieces(id: u32, pieces: &[CurvePiece], map: &DAffine3) -> Result<NurbsCurve, StepError> {
     let degree = pieces.iter().map(|p| p.curve.degree()).max().unwrap_or(1);
     let mut points: Vec<DVec4> = Vec::with_capacity(pieces.len() * degree + 1);
     let mut knot = pieces.first().map_or(0.0, |p| p.domain[0]);
@@ -43,41 +43,6 @@ fn of_pieces(id: u32, pieces: &[CurvePiece], map: &DAffine3) -> Result<NurbsCurv
     Ok(NurbsCurve::new(&format!("#{id}"), degree, knots, points)?)
 }
 
-/// A span as Bézier pieces in its direction; their domains are in the curve's parameter.
-fn bezier_pieces(span: &CurveSpan) -> Vec<CurvePiece> {
-    let [a, b] = span.range;
-    let whole = |curve| vec![CurvePiece { curve, domain: [a, b] }];
-    match &span.curve {
-        form @ CurveForm::Line { .. } => whole(BezierCurve::line(tangent(form, a).0, tangent(form, b).0)),
-        CurveForm::Ellipse { frame, radii } => exact::ellipse(frame, *radii, [a, b]),
-        CurveForm::Parabola { frame, focal } => vec![exact::parabola(frame, *focal, [a, b])],
-        CurveForm::Hyperbola { frame, radii } => vec![exact::hyperbola(frame, *radii, [a, b])],
-        CurveForm::Nurbs(curve) => nurbs_pieces(curve, [a, b]),
-    }
-}
-
-/// The pieces of a B-spline between two parameters, in that direction.
-fn nurbs_pieces(curve: &NurbsCurve, [a, b]: [f64; 2]) -> Vec<CurvePiece> {
-    let [low, high] = [a.min(b), a.max(b)];
-    let mut pieces: Vec<CurvePiece> = curve
-        .bezier_pieces()
-        .into_iter()
-        .filter_map(|CurvePiece { curve, domain: [from, to] }| {
-            let domain = [from.max(low), to.min(high)];
-            let local = domain.map(|t| (t - from) / (to - from));
-            (domain[0] < domain[1]).then(|| CurvePiece { curve: curve.restrict(local), domain })
-        })
-        .collect();
-    if a > b {
-        pieces.reverse();
-        for piece in &mut pieces {
-            piece.curve = piece.curve.reversed();
-            piece.domain.reverse();
-        }
-    }
-    pieces
-}
-
 impl Shapes<'_, '_> {
     /// The curve at `distance` along `axis x tangent` (ISO 10303-42, 4.4.33 and 4.4.34): exact for lines and for circles
     /// about the axis, else approximated.
@@ -100,7 +65,7 @@ impl Shapes<'_, '_> {
         let mut pieces = Vec::new();
         for span in &spans {
             let follow = |t: f64| {
-                let (p, d) = tangent(&span.curve, t);
+                let (p, d) = span.tangent(t);
                 p + away(d)
             };
             pieces.extend(followed(id, span.range, &follow)?);
@@ -145,5 +110,5 @@ fn cubic(range: [f64; 2], point: &dyn Fn(f64) -> DVec3) -> BezierCurve {
     let b1 = (p0 * -5.0 + p1 * 18.0 - p2 * 9.0 + p3 * 2.0) / 6.0;
     let b2 = (p0 * 2.0 - p1 * 9.0 + p2 * 18.0 - p3 * 5.0) / 6.0;
     let points = [p0, b1, b2, p3].map(|p| p.extend(1.0)).to_vec();
-    BezierCurve::new("", points).unwrap_or_else(|_| BezierCurve::line(p0, p3).elevate(3.min(MAX_DEGREE)))
+    BezierCurve::new("", points).unwrap_or_else(|_| BezierCurve::line(p0, p3))
 }

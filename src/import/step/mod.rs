@@ -17,6 +17,7 @@ mod invert;
 mod items;
 mod join;
 mod kinds;
+mod pcurve;
 mod place;
 mod products;
 mod scan;
@@ -32,10 +33,9 @@ use crate::model::{Face, Model, Part, Solidity, Warning};
 use assembly::Assembly;
 use file::File;
 use items::FaceUse;
-use place::Shapes;
+use place::{Log, Shapes};
 use rayon::prelude::*;
 use scan::{Scanned, SyntaxError};
-use std::cell::RefCell;
 use units::Units;
 
 /// Entity numbers that a message lists.
@@ -149,8 +149,8 @@ fn build_parts(file: &File, assembly: &mut Assembly, model: &mut Model) -> Vec<V
 
 /// One face, or why it is lost, and what was mended.
 fn build(file: &File, job: &Job) -> (Result<Face, String>, Vec<Warning>) {
-    let notes = RefCell::new(Vec::new());
-    let shapes = Shapes { file, units: job.units, notes: &notes };
+    let log = Log::default();
+    let shapes = Shapes { file, units: job.units, log: &log };
     let id = job.face.id;
     let built = shapes.face(job.face).map_err(|e| e.to_string()).and_then(|source| {
         let built = build_face(&source).map_err(|e| e.to_string())?;
@@ -160,5 +160,5 @@ fn build(file: &File, job: &Job) -> (Result<Face, String>, Vec<Warning>) {
         Ok(built.face)
     });
     let built = built.map_err(|why| format!("face #{id} is lost: {why}"));
-    (built, notes.into_inner())
+    (built, log.notes.into_inner())
 }

@@ -7,22 +7,41 @@ use super::units::Units;
 use crate::geometry::exact::Frame;
 use crate::model::Warning;
 use glam::{DAffine3, DMat3, DVec3};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::fmt::Display;
+
+/// Curves and surfaces of each other may not nest deeper.
+pub(super) const MAX_DEPTH: u8 = 16;
+/// Nor may one face be made of more of them: nests with branches grow like powers.
+const MAX_STEPS: u32 = 1 << 17;
+
+/// What happens while one face is read.
+#[derive(Default)]
+pub(super) struct Log {
+    /// What was mended or approximated on the way.
+    pub notes: RefCell<Vec<Warning>>,
+    steps: Cell<u32>,
+}
 
 /// Reads geometry in the units of one context: millimetres and radians come out.
 #[derive(Clone, Copy)]
 pub(super) struct Shapes<'f, 'a> {
     pub file: &'f File<'a>,
     pub units: Units,
-    /// What was mended or approximated on the way.
-    pub notes: &'f RefCell<Vec<Warning>>,
+    pub log: &'f Log,
 }
 
 impl<'f, 'a> Shapes<'f, 'a> {
     /// Keeps what was done to an entity for the model's warnings.
     pub fn note(&self, entity: u32, what: impl Display) {
-        self.notes.borrow_mut().push(Warning { entity: Some(entity), message: format!("#{entity}: {what}") });
+        self.log.notes.borrow_mut().push(Warning { entity: Some(entity), message: format!("#{entity}: {what}") });
+    }
+
+    /// Counts curves and surfaces, and stops where they don't end.
+    pub fn step_into(&self, id: u32, depth: u8) -> Result<(), StepError> {
+        let steps = self.log.steps.get() + 1;
+        self.log.steps.set(steps);
+        if depth > MAX_DEPTH || steps > MAX_STEPS { Err(StepError::Depth(id)) } else { Ok(()) }
     }
 
     /// The same file with its numbers as they are, for what lies in a parameter plane.

@@ -1,7 +1,7 @@
 //! Surfaces (ISO 10303-42, 4.5).
 
 use super::args::Args;
-use super::curve::{Curve, MAX_DEPTH, whole_range};
+use super::curve::{Curve, whole_range};
 use super::error::{StepError, bad};
 use super::file::Entity;
 use super::join::joined;
@@ -34,10 +34,9 @@ impl Shapes<'_, '_> {
         self.surface_at(id, 0)
     }
 
-    fn surface_at(&self, id: u32, depth: u8) -> Result<Basis, StepError> {
-        if depth > MAX_DEPTH {
-            return Err(StepError::Depth(id));
-        }
+    /// A surface at some depth of a nest of curves and surfaces.
+    pub fn surface_at(&self, id: u32, depth: u8) -> Result<Basis, StepError> {
+        self.step_into(id, depth)?;
         let entity = self.file.get(id)?;
         let basis = |form, kind, scale| Basis {
             form,
@@ -69,11 +68,11 @@ impl Shapes<'_, '_> {
                 Basis { domain, ..basis(form, SurfaceKind::Torus, [angle; 2]) }
             }
             Kind::SurfaceOfLinearExtrusion => {
-                let (form, scale) = self.extrusion(args)?;
+                let (form, scale) = self.extrusion(args, depth)?;
                 basis(form, SurfaceKind::Extrusion, [scale, 1.0])
             }
             Kind::SurfaceOfRevolution => {
-                let (form, scale) = self.revolution(args)?;
+                let (form, scale) = self.revolution(args, depth)?;
                 basis(form, SurfaceKind::Revolution, [angle, scale])
             }
             Kind::OffsetSurface => self.offset_surface(id, args, depth)?,
@@ -128,8 +127,8 @@ impl Shapes<'_, '_> {
     }
 
     /// A swept curve as one span, and what one of its parameters is in ours.
-    fn profile(&self, id: u32) -> Result<(CurveSpan, f64), StepError> {
-        let curve = match self.curve(id)? {
+    fn profile(&self, id: u32, depth: u8) -> Result<(CurveSpan, f64), StepError> {
+        let curve = match self.curve_at(id, depth + 1)? {
             Curve::Whole(curve) => curve,
             Curve::Pieces(mut spans) if spans.len() == 1 => {
                 let scale = parameter_scale(&spans[0].curve, self.units.angle);
@@ -142,14 +141,14 @@ impl Shapes<'_, '_> {
         Ok((CurveSpan { curve, range }, scale))
     }
 
-    fn extrusion(&self, mut args: Args) -> Result<(SurfaceForm, f64), StepError> {
-        let (profile, scale) = self.profile(args.reference()?)?;
+    fn extrusion(&self, mut args: Args, depth: u8) -> Result<(SurfaceForm, f64), StepError> {
+        let (profile, scale) = self.profile(args.reference()?, depth)?;
         let direction = self.vector(args.reference()?)?;
         Ok((SurfaceForm::Extrusion { profile, direction }, scale))
     }
 
-    fn revolution(&self, mut args: Args) -> Result<(SurfaceForm, f64), StepError> {
-        let (profile, scale) = self.profile(args.reference()?)?;
+    fn revolution(&self, mut args: Args, depth: u8) -> Result<(SurfaceForm, f64), StepError> {
+        let (profile, scale) = self.profile(args.reference()?, depth)?;
         let frame = self.frame(args.reference()?)?;
         Ok((SurfaceForm::Revolution { profile, frame }, scale))
     }
@@ -193,7 +192,7 @@ impl Shapes<'_, '_> {
         let u = [args.number()?, args.number()?].map(|t| t * basis.scale[0]);
         let v = [args.number()?, args.number()?].map(|t| t * basis.scale[1]);
         let senses = [args.flag()?, args.flag()?];
-        let periods = periods(&basis.form);
+        let periods = basis.form.periods(self.units.tolerance);
         let bound = |[from, to]: [f64; 2], sense: bool, period: Option<f64>| {
             let [low, high] = if sense { [from, to] } else { [to, from] };
             match period {
@@ -221,20 +220,4 @@ impl Shapes<'_, '_> {
 /// Parameters of conics are angles.
 fn parameter_scale(curve: &CurveForm, angle: f64) -> f64 {
     if matches!(curve, CurveForm::Ellipse { .. }) { angle } else { 1.0 }
-}
-
-/// The periods in u and v.
-fn periods(form: &SurfaceForm) -> [Option<f64>; 2] {
-    match form {
-        SurfaceForm::Cylinder { .. } | SurfaceForm::Cone { .. } | SurfaceForm::Sphere { .. } => [Some(TAU), None],
-        SurfaceForm::Torus { .. } => [Some(TAU); 2],
-        SurfaceForm::Extrusion { profile, .. } => [profile_period(profile), None],
-        SurfaceForm::Revolution { profile, .. } => [Some(TAU), profile_period(profile)],
-        SurfaceForm::Offset { base, .. } => periods(base),
-        SurfaceForm::Plane(_) | SurfaceForm::Nurbs(_) => [None; 2],
-    }
-}
-
-fn profile_period(profile: &CurveSpan) -> Option<f64> {
-    matches!(profile.curve, CurveForm::Ellipse { .. }).then_some(TAU)
 }
