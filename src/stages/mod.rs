@@ -6,6 +6,7 @@ mod cull;
 mod estimate;
 mod evaluate;
 mod fill;
+mod fold_step;
 mod frame;
 mod interpolate;
 mod lens;
