@@ -9,6 +9,7 @@ mod curve;
 mod error;
 pub mod exact;
 mod forms;
+pub mod interpolate;
 mod knots;
 mod net;
 mod surface;

@@ -1,5 +1,6 @@
 //! From points in space to a surface's own parameters.
 
+use super::offset::{Resolved, resolved};
 use super::search::{NetSearch, ProfileSearch};
 use super::{Pole, SurfaceForm};
 use crate::geometry::{PatchPiece, exact::Frame};
@@ -13,6 +14,7 @@ pub struct Chart {
     periods: [Option<f64>; 2],
     poles: Vec<Pole>,
     search: Search,
+    error: Option<f64>,
 }
 
 #[derive(Clone, Debug)]
@@ -24,8 +26,10 @@ enum Search {
 }
 
 impl Chart {
-    /// `tolerance`: the distance within which borders count as one (closed surfaces) or as a point (poles).
-    pub fn new(form: SurfaceForm, tolerance: f64) -> Self {
+    /// `tolerance`: the distance within which borders count as one (closed surfaces) or as a point (poles); `fine`: how
+    /// near an offset of a free-form surface is fitted.
+    pub fn new(form: SurfaceForm, tolerance: f64, fine: f64) -> Self {
+        let Resolved { form, error } = resolved(form, fine);
         let periods = form.periods(tolerance);
         let poles = form.poles(tolerance);
         let search = match &form {
@@ -38,11 +42,16 @@ impl Chart {
             SurfaceForm::Nurbs(surface) => Search::Net(NetSearch::new(surface, periods)),
             _ => Search::Closed,
         };
-        Self { form, periods, poles, search }
+        Self { form, periods, poles, search, error }
     }
 
     pub fn form(&self) -> &SurfaceForm {
         &self.form
+    }
+
+    /// How far the surface is from what was meant, where that had to be fitted: offsets of free-form surfaces.
+    pub fn error(&self) -> Option<f64> {
+        self.error
     }
 
     /// The parameters' periods where the surface closes.
@@ -114,7 +123,6 @@ impl Chart {
             (SurfaceForm::Torus { frame, major, minor }, _) => invert_torus(frame, *major, *minor, point, near),
             (_, Search::Profile(search)) => search.invert(&self.form, point, near, accept),
             (_, Search::Net(search)) => search.invert(point, near, accept),
-            (SurfaceForm::Offset { base, .. }, _) => Chart::new((**base).clone(), accept).invert(point, near, accept),
             _ => DVec2::ZERO,
         };
         near.map_or(uv, |near| self.shifted(uv, near))

@@ -100,6 +100,26 @@ impl CurveSpan {
         self.curve.tangent(t)
     }
 
+    /// The parameter of the span's point next to `point`, by Gauss-Newton from `t`, and the distance there.
+    pub fn nearest(&self, point: DVec3, mut t: f64) -> (f64, f64) {
+        let [low, high] = [self.range[0].min(self.range[1]), self.range[0].max(self.range[1])];
+        let mut best = (t, f64::INFINITY);
+        for _ in 0..10 {
+            let (p, d) = self.tangent(t);
+            let distance = p.distance(point);
+            if distance >= best.1 {
+                break;
+            }
+            best = (t, distance);
+            let next = (t + (point - p).dot(d) / d.length_squared().max(f64::MIN_POSITIVE)).clamp(low, high);
+            if next == t {
+                break;
+            }
+            t = next;
+        }
+        best
+    }
+
     /// Where the span starts and ends.
     pub fn ends(&self) -> [DVec3; 2] {
         self.range.map(|t| self.curve.position(t))

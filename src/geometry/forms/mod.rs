@@ -3,6 +3,7 @@
 mod axis;
 mod chart;
 mod curve;
+mod offset;
 mod patches;
 mod search;
 mod surface;

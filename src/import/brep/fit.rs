@@ -2,65 +2,13 @@
 
 use super::Scale;
 use super::trace::{Path, Shape, Source};
-use crate::geometry::{Axis, BezierCurve, Chart};
+use crate::geometry::interpolate::{FIT_DEGREE, coefficients, node, value};
+use crate::geometry::{Axis, BezierCurve, Chart, CurveForm, SurfaceForm};
 use crate::model::TrimCurve;
 use glam::{DVec2, DVec4};
-use std::f64::consts::PI;
-use std::sync::LazyLock;
 
 /// A section is halved at most this often; what is off then shows in the measured gap.
 const MAX_HALVINGS: usize = 8;
-
-/// Degree 8, and 4 on every other node.
-const DEGREE: usize = 8;
-
-/// Chebyshev-Lobatto nodes on [0, 1]; those of degree 4 are every other one.
-static NODES: LazyLock<[f64; DEGREE + 1]> = LazyLock::new(|| std::array::from_fn(|k| node(k, DEGREE)));
-
-/// From values at the nodes to Bernstein coefficients, degree 4 and 8, row by row.
-static TO_BERNSTEIN: LazyLock<[Vec<f64>; 2]> = LazyLock::new(|| [inverse(4), inverse(8)]);
-
-fn node(k: usize, degree: usize) -> f64 {
-    0.5 - 0.5 * (PI * k as f64 / degree as f64).cos()
-}
-
-/// Bernstein polynomials of `degree` at `t`.
-fn bernstein(degree: usize, t: f64) -> Vec<f64> {
-    let mut values = vec![1.0];
-    for _ in 0..degree {
-        let mut next = vec![0.0; values.len() + 1];
-        for (k, value) in values.iter().enumerate() {
-            next[k] += value * (1.0 - t);
-            next[k + 1] += value * t;
-        }
-        values = next;
-    }
-    values
-}
-
-/// The inverse of the matrix of Bernstein values at the nodes, by Gauss-Jordan with pivoting.
-fn inverse(degree: usize) -> Vec<f64> {
-    let n = degree + 1;
-    let mut rows: Vec<Vec<f64>> = (0..n)
-        .map(|k| {
-            let mut row = bernstein(degree, node(k, degree));
-            row.extend((0..n).map(|j| f64::from(u8::from(j == k))));
-            row
-        })
-        .collect();
-    for c in 0..n {
-        let pivot = (c..n).max_by(|&a, &b| rows[a][c].abs().total_cmp(&rows[b][c].abs())).unwrap_or(c);
-        rows.swap(c, pivot);
-        let scale = 1.0 / rows[c][c];
-        rows[c].iter_mut().for_each(|x| *x *= scale);
-        let row = rows[c].clone();
-        for other in (0..n).filter(|&k| k != c) {
-            let factor = rows[other][c];
-            rows[other].iter_mut().zip(&row).for_each(|(x, r)| *x -= factor * r);
-        }
-    }
-    rows.into_iter().flat_map(|row| row[n..].to_vec()).collect()
-}
 
 /// Makes trim curves of paths.
 pub(super) struct Fitter<'b> {
@@ -84,18 +32,12 @@ impl Fitter<'_> {
     pub fn curves(&mut self, path: &Path, out: &mut Vec<TrimCurve>) {
         match (&path.shape, path.source) {
             (Shape::Exact(curve), source) => {
-                let gap = self.exact_gap(curve, source);
+                let gap = source.map_or(0.0, |source| self.gap(curve, source, source.range));
                 out.push(TrimCurve { curve: curve.clone(), gap, edge: source.map(|s| s.edge) });
             }
             (Shape::Traced(samples), Some(source)) => self.traced(path, samples, source, out),
             _ => self.straight(path, out),
         }
-    }
-
-    /// Distance between an image on a plane and its edge: both are in the hull of their control points' differences.
-    fn exact_gap(&self, curve: &BezierCurve, source: Option<Source>) -> f64 {
-        let Some(source) = source else { return 0.0 };
-        self.gap(curve, source, source.range)
     }
 
     fn straight(&self, path: &Path, out: &mut Vec<TrimCurve>) {
@@ -141,29 +83,29 @@ impl Fitter<'_> {
 
     fn fit(&mut self, image: &Image, [a, b]: [f64; 2], ends: [DVec2; 2], depth: usize, out: &mut Vec<TrimCurve>) {
         let at = |s: f64| image.plane(self, a + (b - a) * s);
-        let values: [DVec2; DEGREE + 1] = std::array::from_fn(|k| match k {
+        let values: [DVec2; FIT_DEGREE + 1] = std::array::from_fn(|k| match k {
             0 => ends[0],
-            DEGREE => ends[1],
-            _ => at(NODES[k]),
+            FIT_DEGREE => ends[1],
+            _ => at(node(k, FIT_DEGREE)),
         });
-        let speeds = [0, DEGREE / 2, DEGREE].map(|k| self.speed(values[k]));
+        let speeds = [0, FIT_DEGREE / 2, FIT_DEGREE].map(|k| self.speed(values[k]));
         let speed = speeds[0].max(speeds[1]).max(speeds[2]);
         let size = |d: DVec2| (d * speed).length();
         let chord = (ends[1] - ends[0]) * speed;
         let lateral = |p: DVec2| ((p - ends[0]) * speed).perp_dot(chord).abs() / chord.length().max(1e-300);
         let forward = values.windows(2).all(|w| ((w[1] - w[0]) * speed).dot(chord) >= 0.0);
         let tolerance = self.scale.fine;
-        let points = if forward && values[1..DEGREE].iter().all(|&p| lateral(p) <= tolerance) {
+        let points = if forward && values[1..FIT_DEGREE].iter().all(|&p| lateral(p) <= tolerance) {
             vec![ends[0], ends[1]]
         } else {
-            let quartic = coefficients(&TO_BERNSTEIN[0], values.iter().step_by(2).copied());
-            let odd = (1..DEGREE).step_by(2);
-            let off = odd.map(|k| size(value(&quartic, NODES[k]) - values[k])).fold(0.0, f64::max);
+            let quartic = coefficients(values.iter().step_by(2).copied());
+            let odd = (1..FIT_DEGREE).step_by(2);
+            let off = odd.map(|k| size(value(&quartic, node(k, FIT_DEGREE)) - values[k])).fold(0.0, f64::max);
             if off <= tolerance {
                 quartic
             } else {
-                let octic = coefficients(&TO_BERNSTEIN[1], values.iter().copied());
-                let between = (0..DEGREE).map(|k| node(2 * k + 1, 2 * DEGREE));
+                let octic = coefficients(values.iter().copied());
+                let between = (0..FIT_DEGREE).map(|k| node(2 * k + 1, 2 * FIT_DEGREE));
                 let off = between.map(|s| size(value(&octic, s) - at(s))).fold(0.0, f64::max);
                 if off > tolerance && depth < MAX_HALVINGS {
                     let middle = 0.5 * (a + b);
@@ -196,49 +138,16 @@ impl Fitter<'_> {
 
     /// Largest distance of the image of `curve` from the edge, at 9 parameters; `range` is the edge's part next to it.
     fn gap(&self, curve: &BezierCurve, source: Source, range: [f64; 2]) -> f64 {
-        let mut gap: f64 = 0.0;
-        let (count, span) = (8, source.span);
-        let [low, high] = [span.range[0].min(span.range[1]), span.range[0].max(span.range[1])];
-        for k in 0..=count {
+        let straight = matches!(self.chart.form(), SurfaceForm::Plane(_)) && curve.degree() == 1;
+        // The difference of two straight lines is largest at an end.
+        let count = if straight && matches!(source.span.curve, CurveForm::Line { .. }) { 1 } else { 8 };
+        let at = |k: u32| {
             let s = f64::from(k) / f64::from(count);
             let x = self.chart.position(self.to_surface(curve.position(s).truncate()));
-            let mut t = range[0] + (range[1] - range[0]) * s;
-            let mut distance = f64::INFINITY;
-            for _ in 0..8 {
-                let (p, d) = span.tangent(t);
-                let now = p.distance(x);
-                if now >= distance {
-                    break;
-                }
-                distance = now;
-                let next = (t + (x - p).dot(d) / d.length_squared().max(1e-300)).clamp(low, high);
-                if next == t {
-                    break;
-                }
-                t = next;
-            }
-            gap = gap.max(distance);
-        }
-        gap
+            source.span.nearest(x, range[0] + (range[1] - range[0]) * s).1
+        };
+        (0..=count).map(at).fold(0.0, f64::max)
     }
-}
-
-fn coefficients(matrix: &[f64], values: impl ExactSizeIterator<Item = DVec2> + Clone) -> Vec<DVec2> {
-    let n = values.len();
-    matrix.chunks_exact(n).map(|row| row.iter().zip(values.clone()).map(|(m, p)| p * *m).sum()).collect()
-}
-
-/// The value of a polynomial in Bernstein form.
-fn value(points: &[DVec2], t: f64) -> DVec2 {
-    let mut column = [DVec2::ZERO; DEGREE + 1];
-    let column = &mut column[..points.len()];
-    column.copy_from_slice(points);
-    for level in 1..points.len() {
-        for k in 0..points.len() - level {
-            column[k] = column[k].lerp(column[k + 1], t);
-        }
-    }
-    column[0]
 }
 
 /// The exact image of an edge, as a function of the edge's parameter.

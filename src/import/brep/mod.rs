@@ -4,6 +4,7 @@
 
 mod cover;
 mod fit;
+mod pcurve;
 mod ring;
 #[cfg(test)]
 mod tests;
@@ -131,7 +132,8 @@ fn extent(source: &FaceSource) -> (f64, f64) {
 pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
     let (size, reach) = extent(source);
     let scale = Scale::new(size, reach, source.tolerance);
-    let chart = Chart::new(source.surface.clone(), source.tolerance.min(1e-6 * size).max(scale.fine));
+    let chart =
+        Chart::new(source.surface.clone(), source.tolerance.min(1e-6 * size).max(scale.fine), 10.0 * scale.fine);
     let mut warnings = Vec::new();
     let mut rings = Vec::with_capacity(source.bounds.len());
     for bound in &source.bounds {
@@ -156,10 +158,44 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
         Loop { curves }
     });
     let loops: Vec<Loop> = loops.filter(|l| !l.curves.is_empty()).collect();
+    note_gaps(source, &chart, &rings, &loops, fitter.worst, &mut warnings);
     let loops = if is_whole(&loops, area, scale.straight) { Vec::new() } else { loops };
     let FaceSource { id, name, color, kind, reversed, .. } = source;
     let face = Face { id: *id, name: name.clone(), color: *color, kind: *kind, surface, loops, reversed: *reversed };
     Ok(Built { face, warnings })
+}
+
+/// Edges that name themselves in a warning; the rest are counted.
+const NAMED_EDGES: usize = 4;
+
+/// Warns of what is farther off than the file's tolerance allows.
+fn note_gaps(source: &FaceSource, chart: &Chart, rings: &[Ring], loops: &[Loop], fit: f64, warnings: &mut Vec<String>) {
+    let tolerance = source.tolerance;
+    if let Some(error) = chart.error() {
+        warnings.push(format!("the offset surface is fitted to within {error:.2e} mm"));
+    }
+    let bridged = rings.iter().map(|ring| ring.bridged).fold(0.0, f64::max);
+    if bridged > tolerance {
+        warnings.push(format!("edges of a loop miss each other by {bridged:.2e} mm; a straight line joins them"));
+    }
+    if fit > 1e-3 * tolerance {
+        warnings.push(format!("trim curves are fitted to within {fit:.2e} mm only"));
+    }
+    let mut off: Vec<(u32, f64)> = Vec::new();
+    for curve in loops.iter().flat_map(|l| &l.curves).filter(|curve| curve.gap > tolerance) {
+        let Some(edge) = curve.edge else { continue };
+        match off.iter_mut().find(|(number, _)| *number == edge) {
+            Some((_, gap)) => *gap = gap.max(curve.gap),
+            None => off.push((edge, curve.gap)),
+        }
+    }
+    for (edge, gap) in off.iter().take(NAMED_EDGES) {
+        warnings.push(format!("edge #{edge} is up to {gap:.2e} mm off the surface (tolerance {tolerance:.2e} mm)"));
+    }
+    if off.len() > NAMED_EDGES {
+        let (count, worst) = (off.len(), off.iter().map(|e| e.1).fold(0.0, f64::max));
+        warnings.push(format!("{count} edges are off the surface in all, up to {worst:.2e} mm"));
+    }
 }
 
 /// The box of all rings in the surface's parameters.

@@ -1,5 +1,6 @@
 //! Edges in the surface's own parameters.
 
+use super::pcurve::file_image;
 use super::{EdgeUse, Scale};
 use crate::geometry::{BezierCurve, Chart, CurveForm, CurveSpan, Pole, SurfaceForm, exact::Frame};
 use glam::{DVec2, DVec3, DVec4};
@@ -136,6 +137,9 @@ pub(super) fn standard(points: &mut [DVec4]) {
 
 /// The edge as paths from its start to its end; the first starts next to `near`.
 pub(super) fn trace_edge<'a>(chart: &Chart, scale: &Scale, edge: &'a EdgeUse, near: Option<DVec2>) -> Vec<Path<'a>> {
+    if let Some(paths) = file_image(chart, scale, edge, near) {
+        return paths;
+    }
     let mut paths = Vec::new();
     let mut near = near;
     for span in &edge.spans {
