@@ -4,7 +4,7 @@ use super::{UsageError, output};
 use crate::import::{self, ImportError};
 use crate::model::Model;
 use crate::scene::{Camera, MAX_SIDE, Scene, View, ViewSpec, prepare};
-use crate::stages::{Bound, Cull, Fill, Grid, Options, Show};
+use crate::stages::{Bound, Cull, Fill, Grid, Options, Show, Trim};
 use anyhow::{Context, Result, bail};
 use clap::ValueEnum;
 use glam::{DAffine3, DMat3, DVec3};
@@ -76,6 +76,9 @@ pub struct FrameArgs {
     /// Back-patch culling
     #[arg(long, value_enum, default_value_t)]
     pub cull: Cull,
+    /// How trim loops cut their faces
+    #[arg(long, value_enum, default_value_t)]
+    pub trim: Trim,
     /// Largest error in the image, in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = Options::default().tolerance, value_parser = parse_tolerance,
           allow_hyphen_values = true)]
@@ -153,6 +156,7 @@ impl FrameArgs {
             grid: self.grid,
             fill: self.fill,
             cull: self.cull,
+            trim: self.trim,
             show: self.show,
             refine: self.refine,
             tolerance: self.tolerance,

@@ -51,13 +51,14 @@ fn describe<'a>(name: &'a str, model: &Model) -> Info<'a> {
     });
     bar.finish_and_clear();
     let bytes = match prepare_model(model) {
-        Ok(scene) => Some(geometry_bytes(&scene)),
+        Ok(scene) => Some([geometry_bytes(&scene), scene.trim_bytes()]),
         Err(error) => {
             figures.warnings.push(format!("the model can't be prepared for drawing: {error:#}"));
             None
         }
     };
-    Info { model: name, figures, bytes, bytes_geometry: bytes, bytes_trims: bytes.map(|_| 0) }
+    let [geometry, trims] = [0, 1].map(|k| bytes.map(|b| b[k]));
+    Info { model: name, figures, bytes: bytes.map(|b| b[0] + b[1]), bytes_geometry: geometry, bytes_trims: trims }
 }
 
 /// What a prepared scene takes in memory, without the allocator's own share.

@@ -1,11 +1,12 @@
 //! What one pixel is judged by (DESIGN section 6).
 
-use super::hits::{Hit, Oracle};
+use super::hits::{Hit, Oracle, Sight};
 use super::view::ImagePoint;
 use crate::scene::Projection;
 use crate::stages::Pixel;
 use glam::DVec2;
 use std::cell::OnceCell;
+use std::f64::consts::SQRT_2;
 
 /// The contract's half pixel.
 pub(super) const HALF_PIXEL: f64 = 0.5;
@@ -22,8 +23,8 @@ const SIDE: usize = 5;
 const DENSE_SIDE: usize = 17;
 
 /// Judges pixels.
-pub(super) struct Check<'a> {
-    pub oracle: &'a Oracle<'a>,
+pub(super) struct Check<'a, 's> {
+    pub oracle: &'a Oracle<'s>,
     /// Pixel sizes.
     pub depth_tolerance: f64,
 }
@@ -40,10 +41,10 @@ pub(super) struct Verdict {
 }
 
 /// The rays of one pixel, shot when first asked for.
-struct Samples<'a> {
-    check: &'a Check<'a>,
+struct Samples<'a, 's> {
+    check: &'a Check<'a, 's>,
     center: DVec2,
-    rays: [OnceCell<Vec<Hit>>; SIDE * SIDE],
+    rays: [OnceCell<Vec<Sight>>; SIDE * SIDE],
 }
 
 /// Parameters nearer than this are on one sheet.
@@ -68,7 +69,7 @@ impl Verdict {
     }
 }
 
-impl Check<'_> {
+impl Check<'_, '_> {
     /// Judges pixel (x, y), which shows `pixel`, or background.
     pub fn judge(&self, x: u32, y: u32, pixel: Option<&Pixel>) -> Verdict {
         let center = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
@@ -89,14 +90,15 @@ impl Check<'_> {
         };
         let parametric = error(stored);
         let depth = stored.map_or(f64::INFINITY, |p| p.depth);
-        let visible = self.face_is_visible(pixel, samples, [stored, interpolated]);
+        let visible = self.is_in_trims(pixel) && self.face_is_visible(pixel, samples, [stored, interpolated]);
+        let face = self.face_of(pixel);
         Verdict {
             grid_error: (!pixel.filled).then(|| error(interpolated)),
             parametric_error: Some(parametric),
             refined_error: self.meets(pixel, samples).then_some(parametric),
-            crack: samples.all_hide(depth),
+            crack: samples.all_hide(depth, face),
             covering_failure: !visible,
-            depth_failure: visible && samples.all_hide(self.farthest_depth(pixel, depth)),
+            depth_failure: visible && samples.all_hide(self.farthest_depth(pixel, depth), face),
         }
     }
 
@@ -113,7 +115,7 @@ impl Check<'_> {
         let shown = |h: &&Hit| h.instance == pixel.instance && h.patch == pixel.patch;
         let same_sheet = |h: &Hit| self.is_same_sheet(pixel, samples.center, [h.u, h.v]);
         // The visible hits are known already.
-        samples.ray(0).iter().filter(shown).any(same_sheet)
+        samples.ray(0).iter().filter(|s| s.shell.is_none()).map(|s| &s.hit).filter(shown).any(same_sheet)
             || self.oracle.meetings(samples.center, pixel.instance, pixel.patch).iter().any(same_sheet)
     }
 
@@ -134,34 +136,55 @@ impl Check<'_> {
     /// Some point of the shown face in the pixel's closed square is visible to within delta: at the centre, at the
     /// sub-samples, at what the frame says it shows, or at any of many more rays.
     fn face_is_visible(&self, pixel: &Pixel, samples: &Samples, shown: [Option<ImagePoint>; 2]) -> bool {
-        let Some(patch) = self.oracle.scene().patches.get(pixel.patch as usize) else { return false };
-        let face = (pixel.instance, patch.face);
+        let Some(face) = self.face_of(pixel) else { return false };
+        let uv = [pixel.stored, pixel.interpolated];
+        let visible = |(point, uv): (Option<ImagePoint>, [f64; 2])| {
+            point.is_some_and(|p| {
+                self.oracle.belongs(pixel.instance, pixel.patch, uv, 0.0) && self.is_visible(&p, samples.center, face)
+            })
+        };
         (0..SIDE * SIDE).any(|i| self.shows(samples.ray(i), face))
-            || shown.into_iter().flatten().any(|p| self.is_visible(&p, samples.center))
+            || shown.into_iter().zip(uv).any(visible)
             || grid(DENSE_SIDE).any(|offset| self.shows(&self.front(samples.center + offset), face))
     }
 
+    /// The stored point is one of its face, or beyond its trims by no more than the gap and half a pixel.
+    fn is_in_trims(&self, pixel: &Pixel) -> bool {
+        let slack = HALF_PIXEL * SQRT_2;
+        self.face_of(pixel).is_some() && self.oracle.belongs(pixel.instance, pixel.patch, pixel.stored, slack)
+    }
+
+    /// The face that a pixel shows, if there is such a patch.
+    fn face_of(&self, pixel: &Pixel) -> Option<FaceKey> {
+        let patch = self.oracle.scene().patches.get(pixel.patch as usize)?;
+        Some((pixel.instance, patch.face))
+    }
+
     /// One of the visible hits of a ray lies on the face.
-    fn shows(&self, front: &[Hit], face: FaceKey) -> bool {
+    fn shows(&self, front: &[Sight], face: FaceKey) -> bool {
         let scene = self.oracle.scene();
-        front.iter().any(|h| (h.instance, scene.patches[h.patch as usize].face) == face)
+        front.iter().any(|s| (s.hit.instance, scene.patches[s.hit.patch as usize].face) == face)
     }
 
     /// A given surface point lies in the square and nothing hides it.
-    fn is_visible(&self, point: &ImagePoint, center: DVec2) -> bool {
+    fn is_visible(&self, point: &ImagePoint, center: DVec2, face: FaceKey) -> bool {
         (point.pixel - center).abs().max_element() <= HALF_PIXEL
             && point.depth >= self.oracle.camera().near
-            && !self.hides(&self.front(point.pixel), point.depth)
+            && !self.hides(&self.front(point.pixel), point.depth, Some(face))
     }
 
-    /// The hits of a ray that are visible: within delta of the nearest.
-    fn front(&self, point: DVec2) -> Vec<Hit> {
+    /// What is visible along a ray: no farther than delta beyond the nearest hit.
+    fn front(&self, point: DVec2) -> Vec<Sight> {
         self.oracle.front(point, |nearest| nearest + self.delta(nearest))
     }
 
-    /// The nearest hit hides a point at this depth.
-    fn hides(&self, front: &[Hit], depth: f64) -> bool {
-        front.first().is_some_and(|nearest| !depth.is_finite() || nearest.depth < depth - self.delta(depth))
+    /// A hit hides a point at this depth, or a face's reach does along an edge that the point's face has not.
+    fn hides(&self, front: &[Sight], depth: f64, face: Option<FaceKey>) -> bool {
+        let nearer = |s: &&Sight| !depth.is_finite() || s.hit.depth < depth - self.delta(depth);
+        front.iter().take_while(nearer).any(|sight| match (sight.shell, face) {
+            (Some(edge), Some(face)) => !self.oracle.has_edge(sight, edge, face),
+            _ => true,
+        })
     }
 
     /// What depths may differ by at camera depth z: the depth tolerance and the rounding of stored depths.
@@ -175,9 +198,9 @@ impl Check<'_> {
     }
 }
 
-impl Samples<'_> {
+impl Samples<'_, '_> {
     /// The visible hits at one sub-sample; number 0 is the centre.
-    fn ray(&self, index: usize) -> &[Hit] {
+    fn ray(&self, index: usize) -> &[Sight] {
         self.rays[index].get_or_init(|| {
             // The centre changes places with the first of the grid.
             let middle = SIDE * SIDE / 2;
@@ -196,8 +219,8 @@ impl Samples<'_> {
         (0..SIDE * SIDE).all(|i| !self.ray(i).is_empty())
     }
 
-    fn all_hide(&self, depth: f64) -> bool {
-        (0..SIDE * SIDE).all(|i| self.check.hides(self.ray(i), depth))
+    fn all_hide(&self, depth: f64, face: Option<FaceKey>) -> bool {
+        (0..SIDE * SIDE).all(|i| self.check.hides(self.ray(i), depth, face))
     }
 }
 

@@ -33,8 +33,8 @@ impl Hierarchy {
         Self { nodes, items }
     }
 
-    /// Calls `visit(item, nearest depth)` for every item whose box, `slack` wider, holds `p`.
-    pub fn visit(&self, p: DVec2, slack: f64, mut visit: impl FnMut(u32, f64)) {
+    /// Calls `visit(item, its box)` for every item whose box, `slack` wider, holds `p`.
+    pub fn visit(&self, p: DVec2, slack: f64, mut visit: impl FnMut(u32, &ImageBox)) {
         let mut at = 0;
         while let Some(node) = self.nodes.get(at) {
             if !node.bounds.contains(p, slack) {
@@ -43,7 +43,7 @@ impl Hierarchy {
             }
             for (bounds, item) in &self.items[node.first as usize..(node.first + node.count) as usize] {
                 if bounds.contains(p, slack) {
-                    visit(*item, bounds.depth);
+                    visit(*item, bounds);
                 }
             }
             at += 1;
@@ -89,8 +89,8 @@ mod tests {
         for i in 0..400 {
             let p = DVec2::new(f64::from(i % 20) * 5.5, f64::from(i / 20) * 5.5);
             let mut found = Vec::new();
-            tree.visit(p, 0.0, |item, depth| {
-                assert_eq!(depth, f64::from(item));
+            tree.visit(p, 0.0, |item, bounds| {
+                assert_eq!(bounds.depth, f64::from(item));
                 found.push(item as usize);
             });
             found.sort_unstable();

@@ -4,6 +4,8 @@ use super::RESOLUTION;
 use super::hierarchy::Hierarchy;
 use super::piece::{Certificate, ImageBox, Piece, subdivide};
 use super::ray::{Meeting, Ray, view_net};
+use super::rim::Passing;
+use super::trims::{Trims, WIDEST_REACH};
 use super::view::{Drawn, ImagePoint, View};
 use crate::geometry::BezierPatch;
 use crate::scene::{Camera, Scene};
@@ -24,9 +26,20 @@ pub struct Hit {
     pub depth: f64,
     /// Found by a Newton iteration with proof that its piece holds no other. Else the ray passes within `RESOLUTION`
     /// pixels of a piece that is smaller than that in the image (silhouettes, edge-on or collapsed patches), and `depth`
-    /// is the piece's nearest.
+    /// is the piece's nearest; or it passes that near to a trim curve, outside of it.
     pub certified: bool,
 }
+
+/// What a ray sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sight {
+    pub hit: Hit,
+    /// The ray misses the face, but passes within the measured gap of its trim along this edge.
+    pub shell: Option<Edge>,
+}
+
+/// The file's number of an edge; seams and poles have none.
+pub(super) type Edge = Option<u32>;
 
 /// Answers which surfaces a ray meets, in f64 and without any tessellation.
 #[derive(Debug)]
@@ -36,6 +49,9 @@ pub struct Oracle<'a> {
     drawn: Vec<Drawn>,
     leaves: Vec<Leaf>,
     hierarchy: Hierarchy,
+    trims: Trims<'a>,
+    /// Pixels by which faces reach beyond their trims, at most.
+    reach: f64,
 }
 
 /// A part of a patch that lies in one box of the image.
@@ -54,6 +70,9 @@ const MARGIN: f64 = 1.0;
 
 /// Parts of this many pixels are left to the single ray where they can't be certified (silhouettes run through them).
 const LEAF_PIXELS: f64 = 4.0;
+
+/// Points looked at on the way from one parameter to another.
+const WAY_POINTS: u32 = 8;
 
 /// Parts a patch is cut into at most.
 const MAX_LEAVES: usize = 4096;
@@ -88,34 +107,48 @@ impl<'a> Oracle<'a> {
             }
             drawn.push(patch);
         }
-        Self { scene, view, drawn, leaves: all, hierarchy: Hierarchy::new(boxes.into_iter()) }
+        let trims = Trims::new(scene);
+        let reach = trims.widest_reach(camera);
+        Self { scene, view, drawn, leaves: all, hierarchy: Hierarchy::new(boxes.into_iter()), trims, reach }
     }
 
-    /// Every intersection of the ray through image point (x, y) with every drawn patch, nearest first; nothing nearer
-    /// than the near distance. Pixels, origin top left; (x, y) at most a pixel outside the image.
+    /// Every intersection of the ray through image point (x, y) with every drawn face, nearest first; nothing nearer
+    /// than the near distance, nothing outside a face's trims. Pixels, origin top left; (x, y) at most a pixel outside the
+    /// image.
     ///
     /// A ray through the border of two patches meets both. Within one patch what can't be told apart at `RESOLUTION`
     /// is one hit.
     pub fn hits(&self, x: f64, y: f64) -> Vec<Hit> {
-        self.front(DVec2::new(x, y), |_| f64::INFINITY)
+        self.sights(DVec2::new(x, y), 0.0, |_| f64::INFINITY).into_iter().map(|sight| sight.hit).collect()
     }
 
-    /// The hits no farther than `limit(depth of the nearest)`, nearest first.
-    pub(super) fn front(&self, point: DVec2, limit: impl Fn(f64) -> f64) -> Vec<Hit> {
+    /// What is seen no farther than `limit(depth of the nearest hit)`, nearest first, faces reaching beyond their trims.
+    pub(super) fn front(&self, point: DVec2, limit: impl Fn(f64) -> f64) -> Vec<Sight> {
+        self.sights(point, self.reach, limit)
+    }
+
+    fn sights(&self, point: DVec2, reach: f64, limit: impl Fn(f64) -> f64) -> Vec<Sight> {
         let pixel = point - self.view.camera().center();
         let mut candidates = Vec::new();
-        self.hierarchy.visit(pixel, RESOLUTION, |leaf, depth| candidates.push((depth, leaf)));
+        self.hierarchy.visit(pixel, reach + RESOLUTION, |leaf, bounds| {
+            candidates.push((bounds.depth, leaf, bounds.contains(pixel, RESOLUTION)));
+        });
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let mut hits = Vec::new();
+        let mut beyond: Vec<Sight> = Vec::new();
+        let mut rims = Vec::new();
         let mut found = Vec::new();
         let mut nearest = f64::INFINITY;
         let mut farthest = f64::INFINITY;
-        for (depth, leaf) in candidates {
+        for (depth, leaf, direct) in candidates {
             if depth > farthest {
                 break;
             }
             let leaf = &self.leaves[leaf as usize];
-            self.meet(leaf, pixel, &mut found);
+            let Drawn { instance, patch, .. } = self.drawn[leaf.drawn as usize];
+            if direct {
+                self.meet(leaf, pixel, &mut found);
+            }
             for meeting in found.drain(..) {
                 if meeting.depth < nearest {
                     nearest = meeting.depth;
@@ -123,10 +156,86 @@ impl<'a> Oracle<'a> {
                 }
                 add(&mut hits, leaf.drawn, meeting);
             }
+            let face = (instance, self.scene.patches[patch as usize].face);
+            if self.trims.are_on(face.1) && !rims.contains(&face) {
+                rims.push(face);
+                self.pass(point, reach, face, &mut beyond);
+            }
         }
-        hits.retain(|(_, meeting)| meeting.depth <= farthest);
-        hits.sort_by(|a, b| a.1.depth.total_cmp(&b.1.depth));
-        hits.into_iter().map(|(drawn, meeting)| self.hit(drawn, &meeting)).collect()
+        let hits = hits.into_iter().map(|(drawn, meeting)| Sight { hit: self.hit(drawn, &meeting), shell: None });
+        self.merged(hits.collect(), beyond, limit)
+    }
+
+    /// Hits and what passes near trims, without what is a hit already, up to the limit.
+    fn merged(&self, mut sights: Vec<Sight>, beyond: Vec<Sight>, limit: impl Fn(f64) -> f64) -> Vec<Sight> {
+        for new in beyond {
+            let face = |s: &Sight| (s.hit.instance, self.scene.patches[s.hit.patch as usize].face);
+            let near = self.view.camera().pixel_size(new.hit.depth);
+            let same = |old: &Sight| {
+                old.shell == new.shell && face(old) == face(&new) && (old.hit.depth - new.hit.depth).abs() <= near
+            };
+            if !sights.iter().any(same) {
+                sights.push(new);
+            }
+        }
+        let depths = |exact: bool| sights.iter().filter(move |s| s.shell.is_none() == exact).map(|s| s.hit.depth);
+        let exact = depths(true).fold(f64::INFINITY, f64::min);
+        let nearest = if exact.is_finite() { exact } else { depths(false).fold(f64::INFINITY, f64::min) };
+        let farthest = limit(nearest);
+        sights.retain(|s| s.hit.depth <= farthest);
+        sights.sort_by(|a, b| a.hit.depth.total_cmp(&b.hit.depth));
+        sights
+    }
+
+    /// Adds where the ray passes near the trims of a face.
+    fn pass(&self, point: DVec2, widest: f64, (instance, face): (u32, u32), beyond: &mut Vec<Sight>) {
+        let camera = self.view.camera();
+        let Some(ray) = self.trims.ray(camera, instance, point) else { return };
+        let reach = |gap: f64, pixel: f64| gap.min(widest * pixel) + RESOLUTION * pixel;
+        self.trims.passings(camera, &ray, face, widest + RESOLUTION, reach, |passing| {
+            let Passing { patch, parameter: [u, v], depth, distance, edge } = passing;
+            let touching = distance <= RESOLUTION * camera.pixel_size(depth);
+            // Beyond an edge that no other face has, the model goes on nowhere.
+            let shared = edge.is_none_or(|edge| self.trims.faces_at(instance, edge).len() > 1);
+            if touching || shared {
+                let hit = Hit { instance, patch, u, v, depth, certified: false };
+                beyond.push(Sight { hit, shell: (!touching).then_some(edge) });
+            }
+        });
+    }
+
+    /// A face has the edge along which another reaches beyond its trim; or it is that face, and the edge is a seam.
+    pub(super) fn has_edge(&self, sight: &Sight, edge: Edge, (instance, face): (u32, u32)) -> bool {
+        sight.hit.instance == instance
+            && match edge {
+                Some(edge) => self.trims.faces_at(instance, edge).contains(&face),
+                None => self.scene.patches[sight.hit.patch as usize].face == face,
+            }
+    }
+
+    /// A point of a patch is a point of its face, or lies outside its trims by no more than the gap and `slack` pixels,
+    /// and the straight way to the trim stays that near in the image.
+    pub(super) fn belongs(&self, instance: u32, patch: u32, uv: [f64; 2], slack: f64) -> bool {
+        if self.trims.contain(patch, uv) {
+            return true;
+        }
+        let Some(place) = self.project(instance, patch, uv) else { return false };
+        let camera = self.view.camera();
+        let Some(ray) = self.trims.ray(camera, instance, place.pixel) else { return false };
+        let face = self.scene.patches[patch as usize].face;
+        let from = self.trims.plane_point(patch, uv);
+        let widest = WIDEST_REACH + slack.max(RESOLUTION);
+        let reach = |gap: f64, pixel: f64| gap.min(WIDEST_REACH * pixel) + slack.max(RESOLUTION) * pixel;
+        let mut near = false;
+        self.trims.passings(camera, &ray, face, widest, reach, |passing| {
+            let to = self.trims.plane_point(passing.patch, passing.parameter);
+            near |= (1..WAY_POINTS).all(|k| {
+                let way = self.trims.locate(face, from.lerp(to, f64::from(k) / f64::from(WAY_POINTS)));
+                let point = way.and_then(|(patch, uv)| self.project(instance, patch, uv));
+                point.is_some_and(|p| p.pixel.distance(place.pixel) <= 2.0 * widest)
+            });
+        });
+        near
     }
 
     /// All meetings of the ray through the image point with one patch, hidden or not.
@@ -175,7 +284,12 @@ impl<'a> Oracle<'a> {
 
     fn meet(&self, leaf: &Leaf, pixel: DVec2, found: &mut Vec<Meeting>) {
         let drawn = &self.drawn[leaf.drawn as usize];
+        let start = found.len();
         Ray { scene: self.scene, view: &self.view, drawn, pixel }.meet(leaf, found);
+        let kept = (start..found.len()).filter(|&k| self.trims.contain(drawn.patch, found[k].parameter));
+        let kept: Vec<Meeting> = kept.map(|k| found[k]).collect();
+        found.truncate(start);
+        found.extend(kept);
     }
 
     fn hit(&self, drawn: u32, meeting: &Meeting) -> Hit {

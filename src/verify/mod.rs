@@ -27,6 +27,14 @@
 //!   itself would be missed, and reported as a failure.
 //! - The refined error counts where the centre ray meets the shown patch on the sheet that is shown: a ray may meet the
 //!   patch again elsewhere, beyond a silhouette, and refinement must not go there.
+//! - Trims: a hit counts inside the loops (`region`: odd-even on the exact curves) or within `RESOLUTION` of them. A
+//!   *sight* is a hit, or a ray that passes a trim curve within its `TrimCurve::gap` (in space, half a pixel at most: two
+//!   faces close a gap of a pixel, a wider one may be shown). The curve itself is the measure (`rim`), so that a face
+//!   also reaches beyond a trim along its surface's border; along an edge that only one face has it does not reach.
+//!   What a ray sees is limited by its nearest hit, so a neighbour that lies in a face's reach is seen as well as the
+//!   face: a pixel may show either. A reach hides what lies behind it, except faces that have the same edge.
+//! - Beyond trim: a pixel whose stored point lies outside its face's loops by more than the gap and half a pixel (its
+//!   diagonal) is a covering failure, whatever else of that face may be seen in it.
 //! - The errors are the larger of |x| and |y|; parameters that are no point of the instance's patches count as
 //!   `f64::MAX`.
 //!
@@ -38,8 +46,11 @@ mod hierarchy;
 mod hits;
 mod piece;
 mod ray;
+mod region;
 mod report;
+mod rim;
 mod sample;
+mod trims;
 mod view;
 
 pub use error_image::{Class, ErrorMap};

@@ -35,7 +35,7 @@ impl Picture {
         Self { scene, camera, pixels }
     }
 
-    fn at(&mut self, x: u32, y: u32) -> &mut Option<Pixel> {
+    pub fn at(&mut self, x: u32, y: u32) -> &mut Option<Pixel> {
         &mut self.pixels[(y * self.camera.size[0] + x) as usize]
     }
 
@@ -44,13 +44,13 @@ impl Picture {
         verify(&self.scene, &self.camera, &Options::default(), &pixels, &sampling, &|_, _| {})
     }
 
-    fn report(&self) -> Report {
+    pub fn report(&self) -> Report {
         self.verify(Sampling::default())
     }
 }
 
 /// [violations, cracks, covering failures, depth failures]
-fn failures(report: &Report) -> [u64; 4] {
+pub fn failures(report: &Report) -> [u64; 4] {
     [report.violations, report.cracks, report.covering_failures, report.depth_failures]
 }
 

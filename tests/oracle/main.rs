@@ -6,3 +6,4 @@ mod brute_force;
 mod cost;
 mod frames;
 mod shapes;
+mod trimmed;
