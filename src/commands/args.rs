@@ -3,7 +3,7 @@
 use super::UsageError;
 use super::source::ModelArgs;
 use crate::scene::{Camera, MAX_SIDE, Scene, View, ViewSpec};
-use crate::stages::{Bound, Cull, Fill, Grid, Options, Show};
+use crate::stages::{Bound, Cull, Fill, Grid, Options, Show, Trim};
 use anyhow::Result;
 use clap::ValueEnum;
 use glam::DVec3;
@@ -56,6 +56,9 @@ pub struct FrameArgs {
     /// Back-patch culling
     #[arg(long, value_enum, default_value_t)]
     pub cull: Cull,
+    /// How trim loops cut their faces
+    #[arg(long, value_enum, default_value_t)]
+    pub trim: Trim,
     /// Largest error in the image, in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = Options::default().tolerance, value_parser = parse_tolerance,
           allow_hyphen_values = true)]
@@ -84,6 +87,7 @@ impl FrameArgs {
             grid: self.grid,
             fill: self.fill,
             cull: self.cull,
+            trim: self.trim,
             show: self.show,
             refine: self.refine,
             tolerance: self.tolerance,

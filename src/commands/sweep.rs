@@ -3,7 +3,7 @@
 use super::args::{FrameArgs, ProjectionKind, parse_tolerance, parse_zoom};
 use super::{UsageError, measure::Effort};
 use crate::scene::{View, ViewSpec};
-use crate::stages::{Bound, Grid, Options};
+use crate::stages::{Bound, Grid, Options, Trim};
 use anyhow::Result;
 
 /// What to vary.
@@ -15,6 +15,9 @@ pub struct SweepArgs {
     /// Grids to run
     #[arg(long, value_enum, value_delimiter = ',', value_name = "GRID,...")]
     pub grids: Vec<Grid>,
+    /// Ways to trim to run
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "TRIM,...")]
+    pub trims: Vec<Trim>,
     /// Tolerances to run, in pixels
     #[arg(long, value_delimiter = ',', value_name = "PIXELS,...", value_parser = parse_tolerance)]
     pub tolerances: Vec<f64>,
@@ -79,10 +82,19 @@ impl SweepArgs {
         let bounds = list(&self.bounds, asked.bound, default.bound, usual.bounds);
         let grids = list(&self.grids, asked.grid, default.grid, usual.grids);
         let tolerances = list(&self.tolerances, asked.tolerance, default.tolerance, usual.tolerances);
+        let trims = list(&self.trims, asked.trim, default.trim, &[Trim::On]);
         let mut options = Vec::new();
         for &bound in &bounds {
             for &grid in &grids {
-                options.extend(tolerances.iter().map(|&tolerance| Options { bound, grid, tolerance, ..asked }));
+                for &trim in &trims {
+                    options.extend(tolerances.iter().map(|&tolerance| Options {
+                        bound,
+                        grid,
+                        trim,
+                        tolerance,
+                        ..asked
+                    }));
+                }
             }
         }
         options

@@ -42,7 +42,7 @@ impl BezierCurve {
     }
 
     /// For points known to be good.
-    pub(super) fn from_points(points: Vec<DVec4>) -> Self {
+    pub(crate) fn from_points(points: Vec<DVec4>) -> Self {
         Self { points }
     }
 

@@ -45,7 +45,7 @@ impl Frame {
 }
 
 /// Sine and cosine that are exact at quarter turns, so that poles close and seams meet.
-fn sin_cos(angle: f64) -> (f64, f64) {
+pub(super) fn sin_cos(angle: f64) -> (f64, f64) {
     let quarters = angle / FRAC_PI_2;
     let nearest = quarters.round();
     if (quarters - nearest).abs() > 1e-15 * nearest.abs().max(1.0) {
@@ -62,20 +62,29 @@ struct UnitArc {
 
 /// The unit circle from `range[0]` to `range[1]` in equal arcs of at most a quarter turn; a descending range runs
 /// clockwise.
-fn unit_arcs([start, end]: [f64; 2]) -> Vec<UnitArc> {
-    // A quarter and a rounding error is still a quarter. Senseless ranges (not finite, a thousand turns) give points or
-    // weights that `checked` refuses.
-    let count = ((end - start).abs() / FRAC_PI_2 - 1e-12).ceil().clamp(1.0, 4096.0) as usize;
-    let angle = |k: usize| if k == count { end } else { start + (end - start) * (k as f64 / count as f64) };
+fn unit_arcs(range: [f64; 2]) -> Vec<UnitArc> {
     let arc = |k: usize| {
-        let domain = [angle(k), angle(k + 1)];
+        let domain = [arc_border(range, k), arc_border(range, k + 1)];
         let [(s0, c0), (s1, c1)] = domain.map(sin_cos);
         let (s, c) = sin_cos(0.5 * (domain[0] + domain[1]));
         let weight = (0.5 * (domain[1] - domain[0])).cos();
         // The tangents meet at distance 1 / weight: homogeneous, that is the middle direction itself.
         UnitArc { domain, points: [[c0, s0, 1.0], [c, s, weight], [c1, s1, 1.0]] }
     };
-    (0..count).map(arc).collect()
+    (0..arc_count(range)).map(arc).collect()
+}
+
+/// Number of arcs that a circle over `range` is split into.
+pub fn arc_count([start, end]: [f64; 2]) -> usize {
+    // A quarter and a rounding error is still a quarter. Senseless ranges (not finite, a thousand turns) give points or
+    // weights that `checked` refuses.
+    ((end - start).abs() / FRAC_PI_2 - 1e-12).ceil().clamp(1.0, 4096.0) as usize
+}
+
+/// The angle where arc `k` of `range` begins, and the one before it ends.
+pub fn arc_border([start, end]: [f64; 2], k: usize) -> f64 {
+    let count = arc_count([start, end]);
+    if k == count { end } else { start + (end - start) * (k as f64 / count as f64) }
 }
 
 /// The Bézier parameter in [0, 1] of `angle` on the arc piece over `[a, b]`: `tan(θ/2) = (2t - 1) tan(h/2)`, with θ from

@@ -2,6 +2,7 @@
 
 mod stress;
 mod teapot;
+mod trimmed;
 
 use crate::geometry::exact::{self, FULL, Frame};
 use crate::geometry::{BezierCurve, CurvePiece, PatchPiece};
@@ -20,7 +21,8 @@ pub enum BuiltinError {
 /// The names [`builtin`] knows.
 pub fn names() -> Vec<String> {
     let plain = ["teapot", "sphere", "torus", "cylinder", "drum", "stress"].map(String::from);
-    plain.into_iter().chain(stress::names().into_iter().map(|name| format!("stress:{name}"))).collect()
+    let stress = stress::names().into_iter().map(|name| format!("stress:{name}"));
+    plain.into_iter().chain(trimmed::NAMES.map(|name| format!("trimmed:{name}"))).chain(stress).collect()
 }
 
 /// A built-in model by name.
@@ -28,7 +30,7 @@ pub fn names() -> Vec<String> {
 /// `teapot` is Newell's, 32 bicubic patches, its base at z = 0; `sphere` has radius 1, `torus` radii 1 and 0.4,
 /// `cylinder` (the surface: a tube) and `drum` (the body: closed by discs) radius 1 and height 2, all about the origin;
 /// `stress` is a table of small hard cases and `stress:NAME`
-/// one hard case alone.
+/// one hard case alone; `trimmed:NAME` is a trimmed face or solid.
 pub fn builtin(name: &str) -> Result<Model, BuiltinError> {
     let part = match name {
         "teapot" => Some(teapot::teapot()),
@@ -37,7 +39,11 @@ pub fn builtin(name: &str) -> Result<Model, BuiltinError> {
         "cylinder" => Some(part("cylinder", Solidity::Open, vec![drum(1.0, 1.0).swap_remove(1).into()])),
         "drum" => Some(closed("drum", drum(1.0, 1.0))),
         "stress" => return Ok(stress::table()),
-        _ => name.strip_prefix("stress:").and_then(stress::part_of),
+        _ => match name.split_once(':') {
+            Some(("stress", case)) => stress::part_of(case),
+            Some(("trimmed", case)) => trimmed::part_of(case),
+            _ => None,
+        },
     };
     part.map(|part| Model::from_part(name, part)).ok_or_else(|| BuiltinError::Unknown { name: name.into() })
 }

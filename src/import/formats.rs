@@ -1,6 +1,6 @@
 //! The formats, each with how its content is recognised and how it is read.
 
-use super::{ParseError, bezierview, bpt};
+use super::{ParseError, bezierview, bpt, step};
 use crate::model::Model;
 
 type Reader = fn(&[u8], &str) -> Result<Model, ParseError>;
@@ -16,7 +16,7 @@ pub(super) struct Format {
 
 /// Asked in this order; the ones that say clearly what they are come first.
 const FORMATS: [Format; 11] = [
-    Format { name: "STEP", matches: |b| opens_with(b, b"ISO-10303-21"), read: None },
+    Format { name: "STEP", matches: step::matches, read: Some(step::parse) },
     Format { name: "Rhino 3DM", matches: |b| opens_with(b, b"3D Geometry File Format"), read: None },
     Format { name: "T-splines TSM", matches: |b| opens_with(b, b"#TS"), read: None },
     Format { name: "X3D or VRML", matches: |b| opens_with(b, b"#X3D") || opens_with(b, b"#VRML"), read: None },

@@ -2,10 +2,13 @@
 
 mod bezierview;
 mod bpt;
+#[allow(dead_code)]
+mod brep;
 pub mod builtin;
 mod formats;
 mod patches;
 mod scan;
+mod step;
 
 use crate::model::Model;
 use formats::Format;

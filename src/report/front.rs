@@ -1,7 +1,7 @@
 //! Speed against error: one point a configuration, and those that nothing beats in both.
 
 use super::{Errors, Measured, Outcome, Row, Setting, Summary, Table, name};
-use crate::stages::{Bound, Grid};
+use crate::stages::{Bound, Grid, Trim};
 use serde::Serialize;
 
 /// A configuration over all shots it drew.
@@ -9,6 +9,7 @@ use serde::Serialize;
 pub struct Point {
     pub bound: Bound,
     pub grid: Grid,
+    pub trim: Trim,
     pub tolerance: f64,
     /// Mean over the shots of the median frame time.
     pub ms: f64,
@@ -16,9 +17,9 @@ pub struct Point {
     pub error: f64,
 }
 
-/// The rows of each bound, grid and tolerance, in order of appearance.
+/// The rows of each bound, grid, way to trim and tolerance, in order of appearance.
 fn configurations(rows: &[Row]) -> Vec<Vec<&Row>> {
-    let key = |row: &Row| (row.setting.bound, row.setting.grid, row.setting.tolerance);
+    let key = |row: &Row| (row.setting.bound, row.setting.grid, row.setting.trim, row.setting.tolerance);
     let mut groups: Vec<Vec<&Row>> = Vec::new();
     for row in rows {
         match groups.iter_mut().find(|g| key(g[0]) == key(row)) {
@@ -41,6 +42,7 @@ pub fn summary(rows: &[Row]) -> Table {
     let mut table = Table::new(&[
         "bound",
         "grid",
+        "trim",
         "t px",
         "ms",
         "quads",
@@ -70,6 +72,7 @@ pub fn summary(rows: &[Row]) -> Table {
         table.push(vec![
             name(setting.bound).into(),
             name(setting.grid).into(),
+            name(setting.trim).into(),
             setting.tolerance.into(),
             ms.into(),
             count(|m| m.counts.quads).into(),
@@ -88,8 +91,8 @@ pub fn summary(rows: &[Row]) -> Table {
 }
 
 fn point(rows: &[&Row]) -> Option<Point> {
-    let Setting { bound, grid, tolerance, .. } = rows.first()?.setting;
-    let mut point = Point { bound, grid, tolerance, ms: 0.0, error: 0.0 };
+    let Setting { bound, grid, trim, tolerance, .. } = rows.first()?.setting;
+    let mut point = Point { bound, grid, trim, tolerance, ms: 0.0, error: 0.0 };
     for row in rows {
         let measured = row.measured()?;
         point.ms += measured.total.median / rows.len() as f64;

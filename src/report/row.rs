@@ -1,6 +1,6 @@
 //! One measured run: what was asked for, on what machine, how long it took and how far off it was.
 
-use crate::stages::{Bound, Fill, Grid, Options, Stats};
+use crate::stages::{Bound, Fill, Grid, Options, Stats, Trim};
 use crate::verify::{ErrorStats, Report};
 use serde::{Deserialize, Serialize};
 
@@ -33,6 +33,8 @@ pub struct Setting {
     pub bound: Bound,
     pub grid: Grid,
     pub fill: Fill,
+    #[serde(default)]
+    pub trim: Trim,
     pub refine: u32,
     /// Pixels.
     pub tolerance: f64,
@@ -171,6 +173,7 @@ impl From<&Options> for Setting {
             bound: o.bound,
             grid: o.grid,
             fill: o.fill,
+            trim: o.trim,
             refine: o.refine,
             tolerance: o.tolerance,
             depth_tolerance: o.depth_tolerance,

@@ -19,6 +19,7 @@ pub fn brief(rows: &[Row]) -> Table {
         "proj",
         "bound",
         "grid",
+        "trim",
         "t px",
         "ms",
         "min-max ms",
@@ -44,6 +45,7 @@ pub fn brief(rows: &[Row]) -> Table {
             row.shot.projection()[..5].into(),
             name(row.setting.bound).into(),
             name(row.setting.grid).into(),
+            name(row.setting.trim).into(),
             row.setting.tolerance.into(),
             m.map(|m| m.total.median).into(),
             m.map_or(Cell::Missing, |m| range(m.total).into()),
@@ -124,6 +126,7 @@ fn setting_columns(c: &mut Vec<Column>) {
     add(c, "bound", |r| name(r.setting.bound).into());
     add(c, "grid", |r| name(r.setting.grid).into());
     add(c, "fill", |r| name(r.setting.fill).into());
+    add(c, "trim", |r| name(r.setting.trim).into());
     add(c, "refine", |r| u64::from(r.setting.refine).into());
     add(c, "tolerance_px", |r| r.setting.tolerance.into());
     add(c, "depth_tolerance", |r| r.setting.depth_tolerance.into());

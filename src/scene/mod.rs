@@ -4,11 +4,17 @@ mod camera;
 mod closure;
 mod enclosure;
 mod prepare;
+mod trim_build;
+mod trim_faces;
+mod trim_segment;
+mod trim_tree;
 
 pub use camera::{Camera, CameraError, MAX_SIDE, Projection, View, ViewSpec};
 pub use closure::visible_sides;
 pub use enclosure::{enclose, normal_cone};
 pub use prepare::{PrepareError, prepare};
+pub use trim_segment::ParameterBox;
+pub use trim_tree::{Region, TrimTree, Trims};
 
 use crate::geometry::Net;
 use crate::model::Loop;
@@ -24,6 +30,8 @@ pub struct Scene {
     pub faces: Vec<SceneFace>,
     pub instances: Vec<SceneInstance>,
     pub bounds: Bounds,
+    /// The trim trees of all faces that loops cut.
+    pub trims: Trims,
 }
 
 /// One rational Bézier patch about a local origin.
@@ -41,6 +49,18 @@ pub struct Patch {
     pub rational: bool,
     pub enclosure: Enclosure,
     pub cone: NormalCone,
+    pub trim: PatchTrim,
+}
+
+/// What a face's loops leave of one of its patches.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PatchTrim {
+    /// The tree in `Scene::trims` that tells inside from outside; `None`: all of the patch is inside.
+    pub tree: Option<u32>,
+    /// Trim curves run along one of the patch's borders: the face ends there.
+    pub rim: bool,
+    /// Largest gap of the curves along its borders, in the part's units.
+    pub gap: f64,
 }
 
 /// Signed boxes and radii that hold `S_uu`, `S_uv`, `S_vv` of the rational surface over the patch (21 numbers);
@@ -83,6 +103,13 @@ pub enum Sides {
     Outside,
     /// The face bounds a solid and `S_u x S_v` points inwards.
     Inside,
+}
+
+impl Patch {
+    /// The point of the surface's own parameters for one of the unit square.
+    pub fn to_plane(&self, uv: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| self.domain[k][0] + (self.domain[k][1] - self.domain[k][0]) * uv[k])
+    }
 }
 
 impl Sides {
@@ -128,6 +155,16 @@ impl Scene {
     /// The control net of a patch, about its origin.
     pub fn net(&self, patch: &Patch) -> Net<'_> {
         Net::new(patch.degree, &self.points[patch.points.clone()])
+    }
+
+    /// Memory of the trim trees, in bytes.
+    pub fn trim_bytes(&self) -> usize {
+        self.trims.bytes()
+    }
+
+    /// The trims of a patch that loops cut, and the patch's rectangle in their plane.
+    pub fn trim_tree(&self, patch: &Patch) -> Option<TrimTree<'_>> {
+        patch.trim.tree.map(|tree| self.trims.tree(tree))
     }
 
     /// What one drawn patch is coloured: the instance's colour, else the face's.

@@ -1,6 +1,9 @@
 //! `Model` to `Scene`: once a model, in parallel, f64.
 
-use super::{Bounds, Patch, Scene, SceneFace, SceneInstance, Sides, enclose, normal_cone, visible_sides};
+use super::{
+    Bounds, Patch, PatchTrim, Scene, SceneFace, SceneInstance, Sides, enclose, normal_cone, trim_faces::trim_faces,
+    visible_sides,
+};
 use crate::geometry::{BezierPatch, Net};
 use crate::model::{Face, Model, Part, Solidity};
 use glam::{DVec3, DVec4};
@@ -29,11 +32,15 @@ pub enum PrepareError {
 pub fn prepare(model: &Model, progress: &(dyn Fn(usize, usize) + Sync)) -> Result<Scene, PrepareError> {
     let mut scene = Scene::default();
     let mut sources = Vec::new();
-    let part_patches: Vec<Range<usize>> =
-        model.parts.iter().map(|part| collect_part(part, &mut scene.faces, &mut sources)).collect();
-    if sources.is_empty() {
+    let faces: Vec<&Face> = model.parts.iter().flat_map(|part| &part.faces).collect();
+    if faces.iter().all(|face| face.surface.patches.is_empty()) {
         return Err(PrepareError::Empty);
     }
+    let (trims, kept) = trim_faces(&faces);
+    scene.trims = trims;
+    let mut kept = kept.into_iter();
+    let part_patches: Vec<Range<usize>> =
+        model.parts.iter().map(|part| collect_part(part, &mut kept, &mut scene.faces, &mut sources)).collect();
     for (k, instance) in model.instances.iter().enumerate() {
         let missing = || PrepareError::MissingPart { instance: k, part: instance.part, parts: model.parts.len() };
         let patches = part_patches.get(instance.part).ok_or_else(missing)?.clone();
@@ -67,10 +74,16 @@ struct Source<'a> {
     patch: &'a BezierPatch,
     domain: [[f64; 2]; 2],
     face: u32,
+    trim: PatchTrim,
 }
 
-/// Lists a part's faces and patches; returns the range of its patches.
-fn collect_part<'a>(part: &'a Part, faces: &mut Vec<SceneFace>, sources: &mut Vec<Source<'a>>) -> Range<usize> {
+/// Lists a part's faces and what its loops leave of its patches, as `kept` says; returns the range of its patches.
+fn collect_part<'a>(
+    part: &'a Part,
+    kept: &mut impl Iterator<Item = Option<PatchTrim>>,
+    faces: &mut Vec<SceneFace>,
+    sources: &mut Vec<Source<'a>>,
+) -> Range<usize> {
     let start = sources.len();
     let sides = match part.solidity {
         Solidity::Solid => Sides::Outside,
@@ -85,7 +98,11 @@ fn collect_part<'a>(part: &'a Part, faces: &mut Vec<SceneFace>, sources: &mut Ve
         let number = faces.len() as u32;
         let (name, loops, color) = (name.clone(), loops.clone(), color.unwrap_or(DEFAULT_COLOR));
         faces.push(SceneFace { id: *id, name, color, sides, loops });
-        sources.extend(surface.patches.iter().map(|p| Source { patch: &p.patch, domain: p.domain, face: number }));
+        let patches = surface.patches.iter().zip(kept.by_ref());
+        sources.extend(
+            patches
+                .filter_map(|(p, trim)| Some(Source { patch: &p.patch, domain: p.domain, face: number, trim: trim? })),
+        );
     }
     start..sources.len()
 }
@@ -110,6 +127,7 @@ fn prepare_patch(source: &Source) -> (Patch, Vec<DVec4>) {
         rational: net.is_rational(),
         enclosure: enclose(net),
         cone: normal_cone(net),
+        trim: source.trim,
     };
     (patch, points)
 }

@@ -4,9 +4,9 @@
 //! most 3, and is small enough in pixels that f32 arithmetic about its own screen position stays within its budget.
 
 use super::lens::{Lens, PatchMap};
-use super::{Cull, Options, RenderError};
+use super::{Cull, Options, RenderError, Trim};
 use crate::geometry::{BezierPatch, Net};
-use crate::scene::{Enclosure, Patch, Scene, Sides, enclose};
+use crate::scene::{Enclosure, ParameterBox, Patch, Region, Scene, Sides, enclose};
 use glam::{DVec3, DVec4, Vec4};
 
 /// Largest depth ratio within a leaf; research "tessellation-bounds" section 4c.
@@ -157,6 +157,9 @@ impl<'a> Culler<'a> {
         let limit = out.leaves.len() + MAX_LEAVES;
         let mut stack = vec![first];
         while let Some(piece) = stack.pop() {
+            if self.trimmed_away(patch, &piece) {
+                continue;
+            }
             let net = piece.net.as_ref().map_or(self.scene.net(patch), BezierPatch::net);
             match self.judge(net, map, &piece) {
                 Verdict::Culled => {}
@@ -189,6 +192,14 @@ impl<'a> Culler<'a> {
             }
         }
         Ok(())
+    }
+
+    /// The loops leave nothing of the piece.
+    fn trimmed_away(&self, patch: &Patch, piece: &Piece) -> bool {
+        let Some(tree) = self.scene.trim_tree(patch).filter(|_| self.options.trim != Trim::Off) else { return false };
+        let high = [0, 1].map(|k| piece.corner[k] + piece.extent[k]);
+        let area = ParameterBox::around([patch.to_plane(piece.corner), patch.to_plane(high)]);
+        tree.classify(&area) == Region::Outside
     }
 
     /// The file's number of a patch's face.

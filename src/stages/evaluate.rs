@@ -4,7 +4,9 @@ use super::basis::BasisTables;
 use super::cull::Leaf;
 use super::estimate::{MESHLET, Tessellation};
 use super::lens::Lens;
-use super::{Interpolation, Options};
+use super::trim::{self, Cut};
+use super::{Interpolation, Options, TrimCounts};
+use crate::scene::{Region, Scene};
 use glam::Vec4;
 
 /// Sub-pixel steps a pixel: 8 bits.
@@ -34,7 +36,9 @@ pub(super) struct Meshlet {
     pub diagonal: u8,
     /// `Leaf::hidden`.
     pub hidden: i8,
-    /// Which of its sides (u=0, u=1, v=0, v=1) are the leaf's: bits 0 to 3.
+    /// A trim curve crosses it, or comes near: trim.rs draws its triangles.
+    pub tested: bool,
+    /// Which of its sides (u=0, u=1, v=0, v=1) are the leaf's, or where the next meshlet is trimmed away: bits 0 to 3.
     pub outer: u8,
     /// Rows of pixels it may touch, strokes included: first and one past the last.
     pub rows: [u16; 2],
@@ -46,6 +50,7 @@ pub(super) struct Meshlets {
     pub meshlets: Vec<Meshlet>,
     pub vertices: Vec<Vertex>,
     pub quads: u64,
+    pub trim: TrimCounts,
 }
 
 impl Meshlets {
@@ -55,6 +60,7 @@ impl Meshlets {
         self.meshlets.extend(other.meshlets.into_iter().map(|m| Meshlet { vertices: m.vertices + offset, ..m }));
         self.vertices.extend(other.vertices);
         self.quads += other.quads;
+        self.trim = self.trim.plus(other.trim);
     }
 
     pub fn bytes(&self) -> usize {
@@ -70,8 +76,7 @@ impl Meshlet {
 
 /// Evaluates the leaves' grids; meshlets come in leaf order, blocks in parameter order.
 pub(super) fn evaluate(
-    lens: &Lens,
-    options: &Options,
+    view: &View,
     tables: &BasisTables,
     leaves: &[Leaf],
     nets: &[Vec4],
@@ -79,10 +84,9 @@ pub(super) fn evaluate(
     grids: &[Tessellation],
 ) -> Meshlets {
     let mut out = Meshlets::default();
-    let mut evaluator = Evaluator { lens, interpolation: options.bound.interpolation(), columns: Vec::new() };
+    let mut evaluator = Evaluator { view, columns: Vec::new(), dropped: Vec::new() };
     for (k, (leaf, grid)) in leaves.iter().zip(grids).enumerate() {
         let net = &nets[leaf.net as usize..leaf.net as usize + leaf.points()];
-        out.quads += u64::from(grid.quads[0]) * u64::from(grid.quads[1]);
         tables.with(leaf.degree[0], grid.quads[0], |basis_u| {
             tables.with(leaf.degree[1], grid.quads[1], |basis_v| {
                 evaluator.leaf(leaf, (first_leaf + k) as u32, grid, net, [basis_u, basis_v], &mut out);
@@ -92,10 +96,18 @@ pub(super) fn evaluate(
     out
 }
 
+/// What is looked at, and how.
+pub(super) struct View<'a> {
+    pub scene: &'a Scene,
+    pub lens: &'a Lens,
+    pub options: &'a Options,
+}
+
 struct Evaluator<'a> {
-    lens: &'a Lens,
-    interpolation: Interpolation,
+    view: &'a View<'a>,
     columns: Vec<Vec4>,
+    /// The blocks of the leaf that lie outside its trims, v innermost; empty where nothing cuts it.
+    dropped: Vec<bool>,
 }
 
 impl Evaluator<'_> {
@@ -108,44 +120,75 @@ impl Evaluator<'_> {
         basis: [&[f32]; 2],
         out: &mut Meshlets,
     ) {
-        let shape = Projector::new(self.lens, leaf, self.interpolation);
-        for (first_u, quads_u) in blocks(grid.quads[0]) {
-            for (first_v, quads_v) in blocks(grid.quads[1]) {
+        let View { scene, lens, options } = *self.view;
+        let shape = Projector::new(lens, leaf, options.bound.interpolation());
+        let cut = Cut::new(scene, lens, options, leaf);
+        self.drop_blocks(cut.as_ref(), grid);
+        let columns = blocks(grid.quads[1]).count();
+        let dropped = |a: usize, b: usize| self.dropped.get(a * columns + b).copied().unwrap_or(false);
+        // A side is outer where the leaf ends and where the next block is not drawn.
+        let outer = |a: usize, b: usize, first: [u32; 2], end: [u32; 2]| {
+            u8::from(first[0] == 0 || dropped(a.wrapping_sub(1), b))
+                | u8::from(end[0] == grid.quads[0] || dropped(a + 1, b)) << 1
+                | u8::from(first[1] == 0 || dropped(a, b - 1)) << 2
+                | u8::from(end[1] == grid.quads[1] || dropped(a, b + 1)) << 3
+        };
+        let mut columns_of = std::mem::take(&mut self.columns);
+        for (a, (first_u, quads_u)) in blocks(grid.quads[0]).enumerate() {
+            for (b, (first_v, quads_v)) in blocks(grid.quads[1]).enumerate() {
+                if dropped(a, b) {
+                    out.trim.meshlets_outside += 1;
+                    continue;
+                }
                 let start = out.vertices.len();
                 for i in first_u..=first_u + quads_u {
-                    self.collapse(net, leaf.degree, basis[0], i as usize);
+                    collapse(&mut columns_of, net, leaf.degree, basis[0], i as usize);
                     for j in first_v..=first_v + quads_v {
                         let row = leaf.degree[1] + 1;
                         let b = &basis[1][j as usize * row..(j as usize + 1) * row];
-                        let point = self.columns.iter().zip(b).fold(Vec4::ZERO, |sum, (&c, &b)| sum + c * b);
+                        let point = columns_of.iter().zip(b).fold(Vec4::ZERO, |sum, (&c, &b)| sum + c * b);
                         out.vertices.push(shape.vertex(point));
                     }
                 }
-                let outer = u8::from(first_u == 0)
-                    | u8::from(first_u + quads_u == grid.quads[0]) << 1
-                    | u8::from(first_v == 0) << 2
-                    | u8::from(first_v + quads_v == grid.quads[1]) << 3;
-                out.meshlets.push(Meshlet {
+                let mut meshlet = Meshlet {
                     leaf: number,
                     vertices: start as u32,
                     first: [first_u as u16, first_v as u16],
                     quads: [quads_u as u8, quads_v as u8],
                     diagonal: grid.diagonal,
                     hidden: leaf.hidden,
-                    outer,
+                    tested: false,
+                    outer: outer(a, b, [first_u, first_v], [first_u + quads_u, first_v + quads_v]),
                     rows: self.rows(&out.vertices[start..]),
-                });
+                };
+                if let Some(cut) = &cut {
+                    match trim::region(cut, options.tolerance, grid.quads, &meshlet, &out.vertices[start..]) {
+                        Region::Inside => out.trim.meshlets_inside += 1,
+                        Region::Boundary => meshlet.tested = true,
+                        Region::Outside => {
+                            out.trim.meshlets_outside += 1;
+                            out.vertices.truncate(start);
+                            continue;
+                        }
+                    }
+                }
+                out.quads += u64::from(quads_u * quads_v);
+                out.meshlets.push(meshlet);
             }
         }
+        self.columns = columns_of;
     }
 
-    /// Sums the net over u on grid line i: one point per column of the net.
-    fn collapse(&mut self, net: &[Vec4], [m, n]: [usize; 2], basis: &[f32], i: usize) {
-        self.columns.clear();
-        self.columns.resize(n + 1, Vec4::ZERO);
-        for (row, &b) in net.chunks_exact(n + 1).zip(&basis[i * (m + 1)..(i + 1) * (m + 1)]) {
-            for (column, &point) in self.columns.iter_mut().zip(row) {
-                *column += point * b;
+    /// Finds the blocks that lie outside the trims: they are not even evaluated.
+    fn drop_blocks(&mut self, cut: Option<&Cut>, grid: &Tessellation) {
+        self.dropped.clear();
+        let Some(cut) = cut else { return };
+        let at = |k: usize, line: u32| f64::from(line) / f64::from(grid.quads[k]);
+        for (first_u, quads_u) in blocks(grid.quads[0]) {
+            for (first_v, quads_v) in blocks(grid.quads[1]) {
+                let low = [at(0, first_u), at(1, first_v)];
+                let high = [at(0, first_u + quads_u), at(1, first_v + quads_v)];
+                self.dropped.push(cut.classify(low, high) == Region::Outside);
             }
         }
     }
@@ -154,8 +197,19 @@ impl Evaluator<'_> {
     fn rows(&self, vertices: &[Vertex]) -> [u16; 2] {
         let low = vertices.iter().map(|v| v.y).min().unwrap_or(0).div_euclid(SUBPIXELS) - 1;
         let high = vertices.iter().map(|v| v.y).max().unwrap_or(0).div_euclid(SUBPIXELS) + 2;
-        let height = self.lens.size[1] as i32;
+        let height = self.view.lens.size[1] as i32;
         [low.clamp(0, height) as u16, high.clamp(0, height) as u16]
+    }
+}
+
+/// Sums the net over u on grid line i: one point per column of the net.
+fn collapse(columns: &mut Vec<Vec4>, net: &[Vec4], [m, n]: [usize; 2], basis: &[f32], i: usize) {
+    columns.clear();
+    columns.resize(n + 1, Vec4::ZERO);
+    for (row, &b) in net.chunks_exact(n + 1).zip(&basis[i * (m + 1)..(i + 1) * (m + 1)]) {
+        for (column, &point) in columns.iter_mut().zip(row) {
+            *column += point * b;
+        }
     }
 }
 

@@ -54,6 +54,11 @@ pub(super) fn fill(meshlets: &Meshlets, options: &Options, size: [u32; 2], targe
     taken.into_iter().map(|(filled, _)| filled).collect()
 }
 
+/// Spare fragments may stay as they are, so that trims are asked about them at their own parameters.
+pub(super) fn is_tested_alone(options: &Options) -> bool {
+    options.refine == 0 || options.fill != Fill::Stroke
+}
+
 struct Rule<'a> {
     meshlets: &'a Meshlets,
     near: &'a [u64],

@@ -3,7 +3,7 @@
 use super::basis::BasisTables;
 use super::cull::{Culler, Leaf, Leaves};
 use super::estimate::{Tessellation, estimate};
-use super::evaluate::{Meshlets, evaluate};
+use super::evaluate::{Meshlets, View, evaluate};
 use super::fill::{Filled, fill};
 use super::interpolate::interpolate;
 use super::lens::Lens;
@@ -13,8 +13,9 @@ use super::slefe;
 use super::stats::{Clock, Stats};
 use super::stroke::Pen;
 use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
-use super::{Bound, Options};
-use crate::scene::{Camera, Scene};
+use super::trim::{gaps, textures, trim};
+use super::{Bound, Options, Trim};
+use crate::scene::{Camera, PatchTrim, Scene};
 use rayon::prelude::*;
 use std::sync::atomic::AtomicU64;
 use thiserror::Error;
@@ -111,7 +112,7 @@ impl<'a> Renderer<'a> {
         Self { scene, tables: BasisTables::new(), spare_targets: None }
     }
 
-    /// Draws one frame: cull, estimate, evaluate, rasterize, fill, shade.
+    /// Draws one frame: cull, estimate, evaluate, rasterize, trim, fill, shade.
     pub fn render(&mut self, camera: &Camera, options: &Options) -> Result<Frame, RenderError> {
         self.check(options)?;
         let lens = Lens::new(camera);
@@ -123,14 +124,11 @@ impl<'a> Renderer<'a> {
         let meshlets = self.evaluate(&lens, options, &leaves, &grids)?;
         clock.stage("evaluate");
         let mut targets = self.take_targets(camera.size);
-        let pens: Vec<Pen> =
-            leaves.leaves.iter().map(|leaf| Pen::new(leaf, options.tolerance, options.refine > 0)).collect();
-        rasterize(&meshlets, &pens, options.fill, camera.size, &mut targets);
+        let pens: Vec<Pen> = leaves.leaves.iter().map(|leaf| self.pen(&lens, options, leaf)).collect();
+        rasterize(&meshlets, &pens, options, camera.size, &mut targets);
         clock.stage("rasterize");
-        let mut filled = fill(&meshlets, options, camera.size, &mut targets);
-        clock.stage("fill");
         let Leaves { leaves, nets, patches_visible } = leaves;
-        let shader = Shader {
+        let mut shader = Shader {
             scene: self.scene,
             lens: &lens,
             options,
@@ -138,7 +136,13 @@ impl<'a> Renderer<'a> {
             leaves: &leaves,
             nets: &nets,
             grids: &grids,
+            textures: Vec::new(),
         };
+        shader.textures = textures(&shader);
+        let trim = meshlets.trim.plus(trim(&shader, &pens, &mut targets));
+        clock.stage("trim");
+        let mut filled = fill(&meshlets, options, camera.size, &mut targets);
+        clock.stage("fill");
         shade(&shader, &mut targets, &mut filled);
         clock.stage("shade");
         let stats = Stats {
@@ -151,7 +155,9 @@ impl<'a> Renderer<'a> {
             triangles: 2 * meshlets.quads,
             filled: filled.len() as u64,
             drawn: targets.near.par_iter().filter(|&&word| word != 0).count() as u64,
+            trim,
             buffer_bytes: targets.bytes()
+                + shader.textures.iter().flatten().map(|t| t.bytes() as u64).sum::<u64>()
                 + (meshlets.bytes() + size_of_val(&nets[..]) + size_of_val(&leaves[..])) as u64,
         };
         Ok(Frame { camera: *camera, options: *options, stats, targets, leaves, grids, meshlets, filled })
@@ -235,14 +241,22 @@ impl<'a> Renderer<'a> {
         if needed > MAX_MESHLETS {
             return Err(RenderError::TooManyMeshlets { needed, limit: MAX_MESHLETS });
         }
+        let view = View { scene: self.scene, lens, options };
         let chunks: Vec<Meshlets> = (leaves.leaves.par_chunks(CHUNK).zip(grids.par_chunks(CHUNK)).enumerate())
-            .map(|(k, (chunk, grids))| evaluate(lens, options, &self.tables, chunk, &leaves.nets, k * CHUNK, grids))
+            .map(|(k, (chunk, grids))| evaluate(&view, &self.tables, chunk, &leaves.nets, k * CHUNK, grids))
             .collect();
         let mut all = Meshlets::default();
         for chunk in chunks {
             all.append(chunk);
         }
         Ok(all)
+    }
+
+    fn pen(&self, lens: &Lens, options: &Options, leaf: &Leaf) -> Pen {
+        let PatchTrim { tree, rim, .. } = self.scene.patches[leaf.patch as usize].trim;
+        let ends = options.trim != Trim::Off && (tree.is_some() || rim);
+        let gap = ends.then(|| gaps(self.scene, lens, leaf)[1]);
+        Pen::new(leaf, options.tolerance, options.refine > 0, gap)
     }
 
     fn take_targets(&mut self, size: [u32; 2]) -> Targets {

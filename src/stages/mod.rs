@@ -1,4 +1,4 @@
-//! The frame on the CPU, one file a stage (DESIGN section 1): cull, estimate, evaluate, rasterize, fill, shade.
+//! The frame on the CPU, one file a stage (DESIGN section 1): cull, estimate, evaluate, rasterize, trim, fill, shade.
 
 mod basis;
 mod bounds;
@@ -6,6 +6,7 @@ mod cull;
 mod estimate;
 mod evaluate;
 mod fill;
+mod fold_step;
 mod frame;
 mod interpolate;
 mod lens;
@@ -19,10 +20,13 @@ mod slefe;
 mod stats;
 mod stroke;
 mod topology;
+mod trim;
+mod trim_texture;
 
 #[cfg(test)]
 mod tests;
 
 pub use frame::{Frame, Pixel, RenderError, Renderer};
-pub use options::{Bound, Cull, Fill, Grid, Interpolation, Options, Show};
+pub use options::{Bound, Cull, Fill, Grid, Interpolation, Options, Show, Trim};
 pub use stats::{StageTime, Stats};
+pub use trim::TrimCounts;

@@ -1,6 +1,7 @@
 //! Refinement: from a pixel's interpolated parameter to the exact surface point under its centre, eight pixels of one
 //! leaf at a time (DESIGN section 4, "Refinement"; research "crack-closing", section 2, rule 6).
 
+use super::fold_step::{FoldStep, fold_step, shorten, trial};
 use fearless_simd::{f32x8, mask32x8, prelude::*};
 use fearless_simd_macros::simd;
 use glam::Vec4;
@@ -12,6 +13,8 @@ const CONVERGED: f32 = 1.0 / 512.0;
 const HALVINGS: usize = 8;
 /// The same where many starts are tried, most of them in vain.
 const SEARCH_HALVINGS: usize = 3;
+/// Trials near a fold that must gain one half.
+const PARABOLAS: usize = 4;
 /// Rounds that pixels near a silhouette, where Newton's method is slow, may take for each one asked for.
 const STRAGGLER_ROUNDS: u32 = 8;
 
@@ -45,6 +48,9 @@ pub(super) struct Batch {
     pub z: [f32; LANES],
     /// `S_u x S_v` up to a positive factor, in the leaf's pixel-homogeneous axes.
     pub normal: [[f32; LANES]; 3],
+    /// Derivatives of x, y (pixels) and z (units) by s and by t.
+    pub ds: [[f32; LANES]; 3],
+    pub dt: [[f32; LANES]; 3],
 }
 
 /// The surface at eight parameters, divided: position (x, y in pixels, z about the depth origin) and derivatives.
@@ -86,15 +92,18 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
         let before = residual;
         let depth = point.z;
         let slack = slope_allowance(simd, surface, &point, x, y);
-        let (mut ns, mut nt) = step(simd, surface, &point, s, t, x, y);
+        let ([mut ns, mut nt], mut fold) = step(simd, surface, &point, s, t, x, y);
         let mut pending = open;
-        for _ in 0..=if surface.any_sheet { SEARCH_HALVINGS } else { HALVINGS } {
+        for halving in 0..=if surface.any_sheet { SEARCH_HALVINGS } else { HALVINGS } {
             let next = evaluate::<S, N>(simd, surface, &cubic, ns, nt);
-            let r = (x - next.x).abs().max((y - next.y).abs());
+            let (rx, ry) = (x - next.x, y - next.y);
+            let r = rx.abs().max(ry.abs());
+            // Near a fold the next trial knows the curvature: what gains little waits for it.
+            let enough = if halving < PARABOLAS { fold.near.select(residual * 0.5, residual) } else { residual };
             // Another sheet, or the other side of a silhouette, is not this pixel's surface.
             let same_side = (jacobian(simd, &next) * facing).simd_ge(f32x8::splat(simd, 0.0));
             let same_sheet = (next.z - depth).abs().simd_le(slack);
-            let mut take = pending & r.simd_lt(residual);
+            let mut take = pending & r.simd_lt(enough);
             if !surface.any_sheet {
                 take = take & same_side & same_sheet;
             }
@@ -106,8 +115,10 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
             if !pending.any_true() {
                 break;
             }
-            ns = pending.select((s + ns) * 0.5, ns);
-            nt = pending.select((t + nt) * 0.5, nt);
+            fold = shorten(simd, fold, rx, ry, halving < PARABOLAS);
+            let folded = trial(simd, &fold, surface);
+            ns = pending.select(fold.near.select(folded[0], (s + ns) * 0.5), ns);
+            nt = pending.select(fold.near.select(folded[1], (t + nt) * 0.5), nt);
         }
         round += 1;
         // Past the regular rounds only those go on that still get somewhere.
@@ -122,6 +133,8 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
     point.z.store_slice(&mut batch.z);
     for k in 0..3 {
         point.normal[k].store_slice(&mut batch.normal[k]);
+        point.ds[k].store_slice(&mut batch.ds[k]);
+        point.dt[k].store_slice(&mut batch.dt[k]);
     }
 }
 
@@ -154,7 +167,7 @@ fn step<S: Simd>(
     t: f32x8<S>,
     x: f32x8<S>,
     y: f32x8<S>,
-) -> (f32x8<S>, f32x8<S>) {
+) -> ([f32x8<S>; 2], FoldStep<S>) {
     let (rx, ry) = (x - p.x, y - p.y);
     let (a, b) = (p.ds[0], p.ds[1]);
     let (c, d) = (p.dt[0], p.dt[1]);
@@ -184,7 +197,10 @@ fn step<S: Simd>(
     let left = |ds: f32x8<S>, dt: f32x8<S>| (rx - a * ds - c * dt).abs().max((ry - b * ds - d * dt).abs());
     let hold_s = s_met & (!t_met | left(ks - s, ts - t).simd_le(left(st - s, kt - t)));
     let hold_t = t_met & !hold_s;
-    (hold_t.select(st, ks), hold_s.select(ts, kt))
+    let fold = fold_step(simd, surface, [[a, b], [c, d]], [ds, dt], [s, t], [rx, ry]);
+    let folded = trial(simd, &fold, surface);
+    let plain = [hold_t.select(st, ks), hold_s.select(ts, kt)];
+    ([fold.near.select(folded[0], plain[0]), fold.near.select(folded[1], plain[1])], fold)
 }
 
 #[simd]

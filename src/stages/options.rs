@@ -63,6 +63,19 @@ pub enum Cull {
     On,
 }
 
+/// How trim loops cut their faces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Trim {
+    /// On the exact surface under each pixel's centre.
+    #[default]
+    On,
+    /// Guthe 2005: a parity texture for each leaf, sized for the error.
+    Texture,
+    /// Patches are drawn whole, but for those that lie outside altogether.
+    Off,
+}
+
 /// What the picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "kebab-case")]
@@ -85,6 +98,7 @@ pub struct Options {
     pub grid: Grid,
     pub fill: Fill,
     pub cull: Cull,
+    pub trim: Trim,
     pub show: Show,
     /// Newton steps towards the pixel centre; 0 is the papers' way.
     pub refine: u32,
@@ -101,6 +115,7 @@ impl Default for Options {
             grid: Grid::Variable,
             fill: Fill::Stroke,
             cull: Cull::Auto,
+            trim: Trim::On,
             show: Show::Shaded,
             refine: 2,
             tolerance: 0.5,

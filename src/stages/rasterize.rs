@@ -1,10 +1,11 @@
 //! rasterize: triangles and border strokes into the two 64-bit buffers, band by band (DESIGN section 4).
 
-use super::Fill;
 use super::evaluate::{Meshlet, Meshlets, SUBPIXELS, Vertex};
+use super::fill::is_tested_alone;
 use super::frame::Targets;
 use super::stroke::{self, Pen};
 use super::topology::{FOLD, edge, edge_index, triangle_index, triangles, word};
+use super::{Fill, Options};
 use rayon::prelude::*;
 
 /// Rows of pixels one task draws: a band of both buffers stays in the second-level cache.
@@ -22,12 +23,15 @@ pub(super) struct Band<'a> {
     pub spare: &'a mut [u64],
     /// Pixels of the band that `spare` has.
     pub touched: &'a mut Vec<u32>,
+    /// Where it stands, fragments for `spare` are listed there instead: pixel of the band, word.
+    pub listed: Option<Vec<(u32, u64)>>,
 }
 
-/// Draws all meshlets. `pens[leaf]` is the stroke radius of a leaf.
-pub(super) fn rasterize(meshlets: &Meshlets, pens: &[Pen], fill: Fill, size: [u32; 2], targets: &mut Targets) {
+/// Draws all meshlets, but for the triangles of those that trim.rs tests. `pens[leaf]` is the stroke radius of a leaf.
+pub(super) fn rasterize(meshlets: &Meshlets, pens: &[Pen], options: &Options, size: [u32; 2], targets: &mut Targets) {
     let width = size[0] as usize;
-    let bins = bin(&meshlets.meshlets, (size[1] as usize).div_ceil(BAND));
+    let all = 0..meshlets.meshlets.len() as u32;
+    let bins = Bins::new(&meshlets.meshlets, all, (size[1] as usize).div_ceil(BAND));
     let bands = targets
         .near
         .par_chunks_mut(width * BAND)
@@ -40,66 +44,86 @@ pub(super) fn rasterize(meshlets: &Meshlets, pens: &[Pen], fill: Fill, size: [u3
         touched.drain(..).for_each(|p| spare[p as usize] = 0);
         let first = (k * BAND) as i32;
         let rows = [first, first + (near.len() / width) as i32];
-        let mut band = Band { width: width as i32, rows, near, spare, touched };
+        let mut band = Band { width: width as i32, rows, near, spare, touched, listed: None };
         for &number in bins.of(k) {
-            draw(meshlets, number, pens, fill, &mut band);
+            draw(meshlets, number, pens, options, &mut band);
         }
     });
 }
 
 /// Lists of meshlets, band after band, each in meshlet order.
-struct Bins {
+pub(super) struct Bins {
     starts: Vec<u32>,
     numbers: Vec<u32>,
 }
 
 impl Bins {
-    fn of(&self, band: usize) -> &[u32] {
+    /// A counting sort of some meshlets by the bands that their rows touch; in each band they keep their order.
+    pub fn new(meshlets: &[Meshlet], numbers: impl Iterator<Item = u32> + Clone, bands: usize) -> Self {
+        let range = |k: u32| {
+            let [low, high] = meshlets[k as usize].rows.map(usize::from);
+            if low < high { low / BAND..(high - 1) / BAND + 1 } else { 0..0 }
+        };
+        let mut starts = vec![0u32; bands + 1];
+        for k in numbers.clone() {
+            range(k).for_each(|b| starts[b + 1] += 1);
+        }
+        for b in 0..bands {
+            starts[b + 1] += starts[b];
+        }
+        let mut next = starts.clone();
+        let mut sorted = vec![0u32; starts[bands] as usize];
+        for k in numbers {
+            for b in range(k) {
+                sorted[next[b] as usize] = k;
+                next[b] += 1;
+            }
+        }
+        Self { starts, numbers: sorted }
+    }
+
+    pub fn of(&self, band: usize) -> &[u32] {
         &self.numbers[self.starts[band] as usize..self.starts[band + 1] as usize]
     }
 }
 
-/// A counting sort by the bands that a meshlet's rows touch.
-fn bin(meshlets: &[Meshlet], bands: usize) -> Bins {
-    let range = |m: &Meshlet| {
-        let [low, high] = m.rows.map(usize::from);
-        if low < high { low / BAND..(high - 1) / BAND + 1 } else { 0..0 }
-    };
-    let mut starts = vec![0u32; bands + 1];
-    for m in meshlets {
-        range(m).for_each(|b| starts[b + 1] += 1);
-    }
-    for b in 0..bands {
-        starts[b + 1] += starts[b];
-    }
-    let mut next = starts.clone();
-    let mut numbers = vec![0u32; starts[bands] as usize];
-    for (k, m) in meshlets.iter().enumerate() {
-        for b in range(m) {
-            numbers[next[b] as usize] = k as u32;
-            next[b] += 1;
-        }
-    }
-    Bins { starts, numbers }
-}
-
 /// One meshlet into one band.
-fn draw(meshlets: &Meshlets, number: u32, pens: &[Pen], fill: Fill, band: &mut Band) {
+fn draw(meshlets: &Meshlets, number: u32, pens: &[Pen], options: &Options, band: &mut Band) {
     let meshlet = &meshlets.meshlets[number as usize];
+    if meshlet.tested {
+        // Strokes that only propose pixels need no test of their own.
+        if !is_tested_alone(options) {
+            outlines(meshlets, number, pens, options.fill, band);
+        }
+        return;
+    }
     let at = |[i, j]: [usize; 2]| meshlets.vertices[meshlet.vertex(i, j)];
-    let [across_u, across_v] = meshlet.quads.map(usize::from);
-    for a in 0..across_u {
-        for b in 0..across_v {
+    for a in 0..usize::from(meshlet.quads[0]) {
+        for b in 0..usize::from(meshlet.quads[1]) {
             let first = triangle_index(meshlet, a, b);
             for (k, corners) in triangles(a, b, meshlet.diagonal).into_iter().enumerate() {
                 let corners = corners.map(at);
-                let id = word(0.0, number, first + k as u32);
-                if !faces_away(&corners, meshlet.hidden) {
-                    triangle(&corners, id, band);
+                if !faces_away(&corners, meshlet.hidden)
+                    && let Some(coverage) = Coverage::new(&corners, band)
+                {
+                    coverage.draw(coverage.pixels, word(0.0, number, first + k as u32), band);
                 }
-                if matches!(fill, Fill::Eter | Fill::Conservative) {
-                    stroke::conservative(&corners, id, band);
-                }
+            }
+        }
+    }
+    outlines(meshlets, number, pens, options.fill, band);
+}
+
+/// A meshlet's fragments for the spare buffer.
+pub(super) fn outlines(meshlets: &Meshlets, number: u32, pens: &[Pen], fill: Fill, band: &mut Band) {
+    let meshlet = &meshlets.meshlets[number as usize];
+    let at = |[i, j]: [usize; 2]| meshlets.vertices[meshlet.vertex(i, j)];
+    let [across_u, across_v] = meshlet.quads.map(usize::from);
+    if matches!(fill, Fill::Eter | Fill::Conservative) {
+        for (a, b) in (0..across_u).flat_map(|a| (0..across_v).map(move |b| (a, b))) {
+            let first = triangle_index(meshlet, a, b);
+            for (k, corners) in triangles(a, b, meshlet.diagonal).into_iter().enumerate() {
+                stroke::conservative(&corners.map(at), word(0.0, number, first + k as u32), band);
             }
         }
     }
@@ -168,14 +192,16 @@ fn next_blocks(meshlets: &[Meshlet], number: usize) -> [Option<&Meshlet>; 2] {
     let [u, v] = here.first;
     let mut later = meshlets[number + 1..].iter().take_while(|m| m.leaf == here.leaf);
     let inner = |side: u8| here.outer >> side & 1 == 0;
-    let next_v = meshlets.get(number + 1).filter(|_| inner(3));
+    let below =
+        meshlets.get(number + 1).filter(|m| m.leaf == here.leaf && m.first == [u, v + u16::from(here.quads[1])]);
+    let next_v = below.filter(|_| inner(3));
     let next_u = if inner(1) { later.find(|m| m.first == [u + u16::from(here.quads[0]), v]) } else { None };
     [next_u, next_v]
 }
 
 /// The triangle shows the inside of a solid. Each point of the image that the solid covers is covered by a triangle
 /// that faces the eye, so that leaving these out opens nothing.
-fn faces_away([a, b, c]: &[Vertex; 3], hidden: i8) -> bool {
+pub(super) fn faces_away([a, b, c]: &[Vertex; 3], hidden: i8) -> bool {
     if hidden == 0 {
         return false;
     }
@@ -226,43 +252,74 @@ pub(super) fn pixel_range(low: i64, high: i64) -> (i64, i64) {
     ((low - HALF + SUBPIXELS as i64 - 1).div_euclid(SUBPIXELS as i64), (high - HALF).div_euclid(SUBPIXELS as i64))
 }
 
-/// Centre-covered fragments of a triangle.
-fn triangle(corners: &[Vertex; 3], id: u64, band: &mut Band) {
-    let [a, b, c] = corners;
-    let (x0, x1) = pixel_range(i64::from(a.x.min(b.x).min(c.x)), i64::from(a.x.max(b.x).max(c.x)));
-    let (y0, y1) = pixel_range(i64::from(a.y.min(b.y).min(c.y)), i64::from(a.y.max(b.y).max(c.y)));
-    let (x0, x1) = (x0.max(0), x1.min(i64::from(band.width) - 1));
-    let (y0, y1) = (y0.max(i64::from(band.rows[0])), y1.min(i64::from(band.rows[1]) - 1));
-    // Most small triangles hold no pixel centre at all.
-    if x0 > x1 || y0 > y1 {
-        return;
+/// The pixel centres that a triangle covers in one band.
+pub(super) struct Coverage {
+    /// First and last pixel in x and in y that it may cover.
+    pub pixels: [(i64, i64); 2],
+    triangle: Triangle,
+    /// 1 for edges whose points the top-left rule gives away.
+    bias: [i64; 3],
+    /// Stored depth of the corner opposite to each edge, over the area.
+    depth: [f32; 3],
+}
+
+impl Coverage {
+    /// `None` where the triangle covers nothing; most small ones hold no pixel centre at all.
+    pub fn new(corners: &[Vertex; 3], band: &Band) -> Option<Self> {
+        let [a, b, c] = corners;
+        let (x0, x1) = pixel_range(i64::from(a.x.min(b.x).min(c.x)), i64::from(a.x.max(b.x).max(c.x)));
+        let (y0, y1) = pixel_range(i64::from(a.y.min(b.y).min(c.y)), i64::from(a.y.max(b.y).max(c.y)));
+        let (x0, x1) = (x0.max(0), x1.min(i64::from(band.width) - 1));
+        let (y0, y1) = (y0.max(i64::from(band.rows[0])), y1.min(i64::from(band.rows[1]) - 1));
+        if x0 > x1 || y0 > y1 {
+            return None;
+        }
+        let t = Triangle::new(corners);
+        let inverse = 1.0 / t.area as f32;
+        let depth = [t.depth[2], t.depth[0], t.depth[1]].map(|d| d * inverse);
+        let bias = std::array::from_fn(|k| i64::from(!t.owns(k)));
+        (t.area != 0).then_some(Self { pixels: [(x0, x1), (y0, y1)], triangle: t, bias, depth })
     }
-    let t = Triangle::new(corners);
-    if t.area == 0 {
-        return;
+
+    /// Fragments in a part of `pixels`.
+    #[inline(always)]
+    pub fn draw(&self, part: [(i64, i64); 2], id: u64, band: &mut Band) {
+        self.each(part, id, band, |near, _, fragment| *near = fragment);
     }
-    // Points on an edge that the top-left rule gives away are outside by one.
-    let bias: [i64; 3] = std::array::from_fn(|k| i64::from(!t.owns(k)));
-    let (px, py) = (x0 * SUBPIXELS as i64 + HALF, y0 * SUBPIXELS as i64 + HALF);
-    let start: [i64; 3] = std::array::from_fn(|k| t.edge(k, px, py) - bias[k]);
-    let step_x: [i64; 3] = std::array::from_fn(|k| -(t.y[(k + 1) % 3] - t.y[k]) * SUBPIXELS as i64);
-    let step_y: [i64; 3] = std::array::from_fn(|k| (t.x[(k + 1) % 3] - t.x[k]) * SUBPIXELS as i64);
-    // The weight of a corner is the edge function opposite to it.
-    let inverse = 1.0 / t.area as f32;
-    let depth = [t.depth[2], t.depth[0], t.depth[1]].map(|d| d * inverse);
-    for y in y0..=y1 {
-        let row = &mut band.near[(y - i64::from(band.rows[0])) as usize * band.width as usize..][..band.width as usize];
-        let dy = y - y0;
-        let mut e: [i64; 3] = std::array::from_fn(|k| start[k] + step_y[k] * dy);
-        for pixel in &mut row[x0 as usize..=x1 as usize] {
-            if (e[0] | e[1] | e[2]) >= 0 {
-                let weight = |k: usize| (e[k] + bias[k]) as f32;
-                let d = weight(0) * depth[0] + weight(1) * depth[1] + weight(2) * depth[2];
-                let fragment = id | u64::from(d.to_bits()) << 32;
-                *pixel = (*pixel).max(fragment);
-            }
-            for k in 0..3 {
-                e[k] += step_x[k];
+
+    /// Calls `found` with every fragment in a part of `pixels` that would win: its place in the near buffer, its pixel in
+    /// the band, its word.
+    #[inline(always)]
+    pub fn each(
+        &self,
+        [(x0, x1), (y0, y1)]: [(i64, i64); 2],
+        id: u64,
+        band: &mut Band,
+        mut found: impl FnMut(&mut u64, u32, u64),
+    ) {
+        let t = &self.triangle;
+        // Points on an edge that the top-left rule gives away are outside by one.
+        let (px, py) = (x0 * SUBPIXELS as i64 + HALF, y0 * SUBPIXELS as i64 + HALF);
+        let start: [i64; 3] = std::array::from_fn(|k| t.edge(k, px, py) - self.bias[k]);
+        let step_x: [i64; 3] = std::array::from_fn(|k| -(t.y[(k + 1) % 3] - t.y[k]) * SUBPIXELS as i64);
+        let step_y: [i64; 3] = std::array::from_fn(|k| (t.x[(k + 1) % 3] - t.x[k]) * SUBPIXELS as i64);
+        for y in y0..=y1 {
+            let first = (y - i64::from(band.rows[0])) as usize * band.width as usize;
+            let row = &mut band.near[first..][..band.width as usize];
+            let dy = y - y0;
+            let mut e: [i64; 3] = std::array::from_fn(|k| start[k] + step_y[k] * dy);
+            for (x, pixel) in (x0..).zip(&mut row[x0 as usize..=x1 as usize]) {
+                if (e[0] | e[1] | e[2]) >= 0 {
+                    let weight = |k: usize| (e[k] + self.bias[k]) as f32;
+                    let d = weight(0) * self.depth[0] + weight(1) * self.depth[1] + weight(2) * self.depth[2];
+                    let fragment = id | u64::from(d.to_bits()) << 32;
+                    if fragment > *pixel {
+                        found(pixel, first as u32 + x as u32, fragment);
+                    }
+                }
+                for k in 0..3 {
+                    e[k] += step_x[k];
+                }
             }
         }
     }

@@ -11,10 +11,11 @@ use super::interpolate::{corner_parameters, interpolate};
 use super::newton::{Batch, LANES};
 use super::shade::Shader;
 use super::topology::{depth_of, triangle_index, triangles, word};
+use super::trim::{self, Cut, keeps};
 use rayon::prelude::*;
 
 /// Pixels between a pixel centre and a projected surface point that count as none.
-const EXACT: f32 = 1.0 / 128.0;
+pub(super) const EXACT: f32 = 1.0 / 128.0;
 /// What the contract allows a filled pixel.
 const HALF_PIXEL: f32 = 0.5;
 /// Half a pixel in sub-pixels.
@@ -78,11 +79,16 @@ fn search(shader: &Shader, number: u32, f: &Filled, behind: f32) -> Option<Hit> 
     let pixel = f.pixel;
     let mut surface = shader.surface(number);
     surface.any_sheet = true;
+    let leaf = &shader.leaves[number as usize];
+    let cut = Cut::new(shader.scene, shader.lens, shader.options, leaf);
+    // Where the patch ends within the model's gap, its border stands in for what lies in it.
+    let [border, gap] = trim::gaps(shader.scene, shader.lens, leaf);
+    let exact = (EXACT + border as f32).min(HALF_PIXEL);
     let quads = shader.grids[number as usize].quads;
-    let [x, y] = shader.target(&shader.leaves[number as usize], pixel);
+    let [x, y] = shader.target(leaf, pixel);
     let width = shader.lens.size[0];
     // From the nearest point and from the corners: a triangle seen edge-on may hide a fold.
-    let starts: Vec<([f32; 2], u64)> = triangles_near(shader, number, pixel, depth_of(f.near))
+    let starts: Vec<([f32; 2], u64)> = triangles_near(shader, number, pixel, depth_of(f.near), gap)
         .into_iter()
         .flat_map(|word| {
             let nearest = interpolate(shader.meshlets, quads, word, pixel % width, pixel / width);
@@ -97,9 +103,10 @@ fn search(shader: &Shader, number: u32, f: &Filled, behind: f32) -> Option<Hit> 
             [batch.s[k], batch.t[k]] = starts[k.min(starts.len() - 1)].0;
         }
         shader.refine(&surface, 1, &mut batch);
-        for (k, &(_, triangle)) in starts.iter().enumerate().filter(|&(k, _)| batch.residual[k] <= EXACT) {
+        for (k, &(_, triangle)) in starts.iter().enumerate().filter(|&(k, _)| batch.residual[k] <= exact) {
             let depth = shader.stored_depth(surface.depth_origin + batch.z[k]);
-            if depth > behind && best.as_ref().is_none_or(|b| (depth, triangle) > (b.depth, b.triangle)) {
+            let nearer = depth > behind && best.as_ref().is_none_or(|b| (depth, triangle) > (b.depth, b.triangle));
+            if nearer && cut.is_none_or(|cut| keeps(shader, number, &cut, &surface, &batch, k)) {
                 best = Some(Hit { depth, triangle, parameters: [batch.s[k], batch.t[k]] });
             }
         }
@@ -110,8 +117,9 @@ fn search(shader: &Shader, number: u32, f: &Filled, behind: f32) -> Option<Hit> 
 /// The leaf's triangles that come within half a pixel of a pixel's centre, as words without depth.
 ///
 /// The surface is within the depth tolerance of its triangle: triangles that are wholly behind what N shows have nothing
-/// clearly nearer.
-fn triangles_near(shader: &Shader, leaf: u32, pixel: u32, shown: f32) -> Vec<u64> {
+/// clearly nearer. `gap`: pixels more, which the model leaves open.
+fn triangles_near(shader: &Shader, leaf: u32, pixel: u32, shown: f32, gap: f64) -> Vec<u64> {
+    let reach = HALF + (gap * f64::from(SUBPIXELS)).ceil() as i64;
     let width = shader.lens.size[0];
     let center = [pixel % width, pixel / width].map(|c| (2 * i64::from(c) + 1) * HALF);
     let meshlets = &shader.meshlets.meshlets;
@@ -123,7 +131,7 @@ fn triangles_near(shader: &Shader, leaf: u32, pixel: u32, shown: f32) -> Vec<u64
         {
             for (k, corners) in triangles(a, b, meshlet.diagonal).into_iter().enumerate() {
                 let v = corners.map(|[i, j]| shader.meshlets.vertices[meshlet.vertex(i, j)]);
-                if v.iter().any(|v| v.depth > shown) && touches(&v, center) {
+                if v.iter().any(|v| v.depth > shown) && touches(&v, center, reach) {
                     found.push(word(0.0, number as u32, triangle_index(meshlet, a, b) + k as u32));
                 }
             }
@@ -132,10 +140,10 @@ fn triangles_near(shader: &Shader, leaf: u32, pixel: u32, shown: f32) -> Vec<u64
     found
 }
 
-/// The triangle meets the square of half a pixel about a point: separating axes are the square's sides and the three
+/// The triangle meets the square of half a pixel (and a gap) about a point: separating axes are the square's sides and the three
 /// edges' normals.
-fn touches(v: &[Vertex; 3], center: [i64; 2]) -> bool {
-    let apart = |a: i64, b: i64, c: i64, at: i64| a.min(b).min(c) > at + HALF || a.max(b).max(c) < at - HALF;
+fn touches(v: &[Vertex; 3], center: [i64; 2], reach: i64) -> bool {
+    let apart = |a: i64, b: i64, c: i64, at: i64| a.min(b).min(c) > at + reach || a.max(b).max(c) < at - reach;
     let p = v.map(|v| [i64::from(v.x), i64::from(v.y)]);
     if (0..2).any(|k| apart(p[0][k], p[1][k], p[2][k], center[k])) {
         return false;
@@ -146,7 +154,7 @@ fn touches(v: &[Vertex; 3], center: [i64; 2]) -> bool {
         let (a, b) = (p[k], p[(k + 1) % 3]);
         let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
         let e = side * (dx * (center[1] - a[1]) - dy * (center[0] - a[0]));
-        e >= -HALF * (dx.abs() + dy.abs())
+        e >= -reach * (dx.abs() + dy.abs())
     })
 }
 
@@ -176,10 +184,11 @@ impl Strips {
         let half = shader.lens.half(1);
         for (k, leaf) in shader.leaves.iter().enumerate() {
             // A pixel to spare: boxes are rounded to f32.
+            let spare = 1.0 + trim::gaps(shader.scene, shader.lens, leaf)[1];
             let entry = Entry {
                 leaf: k as u32,
-                low: [0, 1].map(|k| (leaf.low[k] - 1.0) as f32),
-                high: [0, 1].map(|k| (leaf.high[k] + 1.0) as f32),
+                low: [0, 1].map(|k| (leaf.low[k] - spare) as f32),
+                high: [0, 1].map(|k| (leaf.high[k] + spare) as f32),
                 nearest: shader.stored_depth(leaf.low.z as f32),
             };
             let row =

@@ -11,6 +11,7 @@ use super::newton::{Batch, LANES, Surface, refine};
 use super::rasterize::BAND;
 use super::settle::{refuse, settle};
 use super::topology::meshlet_of;
+use super::trim_texture::Texture;
 use super::{Fill, Options, show};
 use crate::scene::Scene;
 use fearless_simd::{Level, dispatch};
@@ -26,6 +27,8 @@ pub(super) struct Shader<'a> {
     pub leaves: &'a [Leaf],
     pub nets: &'a [Vec4],
     pub grids: &'a [Tessellation],
+    /// Of `--trim texture`, by leaf; else empty.
+    pub textures: Vec<Option<Texture>>,
 }
 
 /// Pixels of rounding that refinement may meet where it follows a net past its leaf, into the rest of the patch.

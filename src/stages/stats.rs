@@ -1,5 +1,6 @@
 //! Counts and times of one frame; one type for every backend.
 
+use super::TrimCounts;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -24,6 +25,7 @@ pub struct Stats {
     /// Pixels that the spare buffer decided.
     pub filled: u64,
     pub drawn: u64,
+    pub trim: TrimCounts,
     pub buffer_bytes: u64,
 }
 

@@ -26,21 +26,36 @@ impl Pen {
     /// the two borders, and their rounding.
     ///
     /// Folds only propose pixels: without `refine` nobody could tell which of them the surface covers.
-    pub fn new(leaf: &Leaf, tolerance: f64, refine: bool) -> Self {
+    ///
+    /// Where the face ends or is cut, nothing comes to meet it from the other side: `rim` is the model's own gap there in
+    /// pixels, to be reached over on top of the whole tolerance. These, too, only propose pixels.
+    pub fn new(leaf: &Leaf, tolerance: f64, refine: bool, rim: Option<f64>) -> Self {
         let tolerance = (tolerance - 1.0 / (2.0 * f64::from(SUBPIXELS)) - leaf.rounding).max(0.0);
         let subpixels = f64::from(SUBPIXELS);
         let radius = |reach: f64| (subpixels * (reach + leaf.rounding) + 0.5).ceil() as i64;
-        Self { radius: radius(tolerance / 2.0), fold: if refine { radius(tolerance) } else { 0 } }
+        let gap = rim.unwrap_or(0.0);
+        Self {
+            radius: radius(if refine && rim.is_some() { tolerance + gap } else { tolerance / 2.0 }),
+            fold: if refine { radius(tolerance + gap) } else { 0 },
+        }
     }
 }
 
 impl Band<'_> {
     /// The larger word stays in the spare buffer.
     fn spare(&mut self, x: i64, y: i64, fragment: u64) {
-        let index = (y - i64::from(self.rows[0])) as usize * self.width as usize + x as usize;
-        let pixel = &mut self.spare[index];
+        let index = (y - i64::from(self.rows[0])) as u32 * self.width as u32 + x as u32;
+        match &mut self.listed {
+            Some(listed) => listed.push((index, fragment)),
+            None => self.spare_at(index, fragment),
+        }
+    }
+
+    /// The same for a pixel of the band by its number.
+    pub fn spare_at(&mut self, index: u32, fragment: u64) {
+        let pixel = &mut self.spare[index as usize];
         if *pixel == 0 {
-            self.touched.push(index as u32);
+            self.touched.push(index);
         }
         *pixel = (*pixel).max(fragment);
     }

@@ -73,7 +73,7 @@ fn transformed(mut pieces: Vec<PatchPiece>, map: &DAffine3) -> Vec<PatchPiece> {
 
 /// A graph over the unit square. Bernstein polynomials flatten control waves the more the higher the degree, so the
 /// waves' height grows with it.
-fn wave(degree: usize) -> Surface {
+pub(super) fn wave(degree: usize) -> Surface {
     let d = degree as f64;
     let height = 0.15 + 0.02 * d;
     let point = |s: f64, t: f64| {

@@ -7,11 +7,11 @@ mod raster;
 mod strokes;
 mod words;
 
-use super::Fill;
 use super::evaluate::{Meshlet, Meshlets, Vertex};
 use super::frame::Targets;
 use super::rasterize::{BAND, rasterize};
 use super::stroke::Pen;
+use super::{Fill, Options};
 
 /// SplitMix64 (Steele, Lea & Flood 2014).
 struct Random(u64);
@@ -56,11 +56,12 @@ fn single([a, b, c]: [Vertex; 3], height: u32) -> Meshlets {
         quads: [1, 1],
         hidden: 0,
         diagonal: 0,
+        tested: false,
         outer: 0b0100,
         rows: [0, height as u16],
     };
     // Corners (0,0), (0,1), (1,0), (1,1).
-    Meshlets { meshlets: vec![meshlet], vertices: vec![a, a, b, c], quads: 1 }
+    Meshlets { meshlets: vec![meshlet], vertices: vec![a, a, b, c], quads: 1, ..Meshlets::default() }
 }
 
 /// Both buffers of a picture of one triangle.
@@ -72,7 +73,8 @@ fn draw(corners: [Vertex; 3], pen: Pen, fill: Fill, size: [u32; 2]) -> Targets {
         touched: vec![Vec::new(); (size[1] as usize).div_ceil(BAND)],
         ..Targets::default()
     };
-    rasterize(&single(corners, size[1]), &[pen], fill, size, &mut targets);
+    let options = Options { fill, ..Options::default() };
+    rasterize(&single(corners, size[1]), &[pen], &options, size, &mut targets);
     targets
 }
 

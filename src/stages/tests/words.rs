@@ -14,6 +14,7 @@ fn shapes() -> impl Iterator<Item = Meshlet> {
             quads,
             diagonal,
             hidden: 0,
+            tested: false,
             outer: 15,
             rows: [0, 0],
         })

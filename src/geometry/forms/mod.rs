@@ -1,5 +1,17 @@
 //! Curves and surfaces as CAD files give them: by formula or by control points, with the parameters of ISO 10303-42.
 
+mod axis;
+mod chart;
+mod curve;
+mod offset;
+mod patches;
+mod search;
+mod surface;
+
+pub use axis::Axis;
+pub use chart::Chart;
+pub use surface::Pole;
+
 use super::{NurbsCurve, NurbsSurface, exact::Frame};
 use glam::DVec3;
 

@@ -1,0 +1,243 @@
+//! Paths as rational Bézier curves in the parameter plane of the patches.
+
+use super::Scale;
+use super::trace::{Path, Shape, Source};
+use crate::geometry::interpolate::{FIT_DEGREE, coefficients, node, value};
+use crate::geometry::{Axis, BezierCurve, Chart, CurveForm, SurfaceForm};
+use crate::model::TrimCurve;
+use glam::{DVec2, DVec4};
+
+/// A section is halved at most this often; what is off then shows in the measured gap.
+const MAX_HALVINGS: usize = 8;
+
+/// Makes trim curves of paths.
+pub(super) struct Fitter<'b> {
+    pub chart: &'b Chart,
+    pub axes: [Axis; 2],
+    pub scale: &'b Scale,
+    /// Largest distance in space of a fit from the exact image that was left.
+    pub worst: f64,
+}
+
+impl Fitter<'_> {
+    fn to_plane(&self, uv: DVec2) -> DVec2 {
+        DVec2::new(self.axes[0].to_plane(uv.x), self.axes[1].to_plane(uv.y))
+    }
+
+    fn to_surface(&self, p: DVec2) -> DVec2 {
+        DVec2::new(self.axes[0].to_surface(p.x), self.axes[1].to_surface(p.y))
+    }
+
+    /// The path's trim curves, end to end.
+    pub fn curves(&mut self, path: &Path, out: &mut Vec<TrimCurve>) {
+        match (&path.shape, path.source) {
+            (Shape::Exact(curve), source) => {
+                let gap = source.map_or(0.0, |source| self.gap(curve, source, source.range));
+                out.push(TrimCurve { curve: curve.clone(), gap, edge: source.map(|s| s.edge) });
+            }
+            (Shape::Traced(samples), Some(source)) => self.traced(path, samples, source, out),
+            _ => self.straight(path, out),
+        }
+    }
+
+    fn straight(&self, path: &Path, out: &mut Vec<TrimCurve>) {
+        // Part of the way, and where that is.
+        let mut stops = vec![(0.0, path.start)];
+        if let Some(fixed) = path.fixed_axis() {
+            let [a, b] = [path.start[1 - fixed], path.end[1 - fixed]];
+            for kink in self.axes[1 - fixed].kinks() {
+                let part = (kink - a) / (b - a);
+                if part > 1e-12 && part < 1.0 - 1e-12 {
+                    let mut uv = path.start;
+                    uv[1 - fixed] = kink;
+                    stops.push((part, uv));
+                }
+            }
+            stops.sort_by(|p, q| p.0.total_cmp(&q.0));
+        }
+        stops.push((1.0, path.end));
+        for part in stops.windows(2) {
+            let [a, b] = [part[0].1, part[1].1].map(|uv| self.to_plane(uv));
+            if a == b {
+                continue;
+            }
+            let curve = BezierCurve::line(a.extend(0.0), b.extend(0.0));
+            let gap = path.source.map_or(0.0, |source| {
+                let [t0, t1] = source.range;
+                self.gap(&curve, source, [part[0].0, part[1].0].map(|s| t0 + (t1 - t0) * s))
+            });
+            out.push(TrimCurve { curve, gap, edge: path.source.map(|s| s.edge) });
+        }
+    }
+
+    fn traced(&mut self, path: &Path, samples: &[(f64, DVec2)], source: Source, out: &mut Vec<TrimCurve>) {
+        let image = Image::new(self, path, samples, source);
+        let breaks = image.breaks(self);
+        let first = out.len();
+        for part in breaks.windows(2) {
+            self.fit(&image, [part[0].0, part[1].0], [part[0].1, part[1].1], 0, out);
+        }
+        // The ends of consecutive pieces are the same points; the path's own ends are those of its neighbours.
+        debug_assert!(out.len() > first);
+    }
+
+    fn fit(&mut self, image: &Image, [a, b]: [f64; 2], ends: [DVec2; 2], depth: usize, out: &mut Vec<TrimCurve>) {
+        let at = |s: f64| image.plane(self, a + (b - a) * s);
+        let values: [DVec2; FIT_DEGREE + 1] = std::array::from_fn(|k| match k {
+            0 => ends[0],
+            FIT_DEGREE => ends[1],
+            _ => at(node(k, FIT_DEGREE)),
+        });
+        let speeds = [0, FIT_DEGREE / 2, FIT_DEGREE].map(|k| self.speed(values[k]));
+        let speed = speeds[0].max(speeds[1]).max(speeds[2]);
+        let size = |d: DVec2| (d * speed).length();
+        let chord = (ends[1] - ends[0]) * speed;
+        let lateral = |p: DVec2| ((p - ends[0]) * speed).perp_dot(chord).abs() / chord.length().max(1e-300);
+        let forward = values.windows(2).all(|w| ((w[1] - w[0]) * speed).dot(chord) >= 0.0);
+        let tolerance = self.scale.fine;
+        let points = if forward && values[1..FIT_DEGREE].iter().all(|&p| lateral(p) <= tolerance) {
+            vec![ends[0], ends[1]]
+        } else {
+            let quartic = coefficients(values.iter().step_by(2).copied());
+            let odd = (1..FIT_DEGREE).step_by(2);
+            let off = odd.map(|k| size(value(&quartic, node(k, FIT_DEGREE)) - values[k])).fold(0.0, f64::max);
+            if off <= tolerance {
+                quartic
+            } else {
+                let octic = coefficients(values.iter().copied());
+                let between = (0..FIT_DEGREE).map(|k| node(2 * k + 1, 2 * FIT_DEGREE));
+                let off = between.map(|s| size(value(&octic, s) - at(s))).fold(0.0, f64::max);
+                if off > tolerance && depth < MAX_HALVINGS {
+                    let middle = 0.5 * (a + b);
+                    let p = image.plane(self, middle);
+                    self.fit(image, [a, middle], [ends[0], p], depth + 1, out);
+                    self.fit(image, [middle, b], [p, ends[1]], depth + 1, out);
+                    return;
+                }
+                self.worst = self.worst.max(off);
+                octic
+            }
+        };
+        let last = points.len() - 1;
+        let points = points.into_iter().enumerate().map(|(k, p)| match k {
+            0 => ends[0],
+            _ if k == last => ends[1],
+            _ => p,
+        });
+        let points: Vec<DVec4> = points.map(|p| p.extend(0.0).extend(1.0)).collect();
+        let curve = BezierCurve::from_points(points);
+        let gap = self.gap(&curve, image.source, [a, b]);
+        out.push(TrimCurve { curve, gap, edge: Some(image.source.edge) });
+    }
+
+    /// Lengths of the surface's derivatives at a point of the plane, by the plane's coordinates to within a factor 2.
+    fn speed(&self, p: DVec2) -> DVec2 {
+        let point = self.chart.surface_point(self.to_surface(p));
+        DVec2::new(point.du.length(), point.dv.length())
+    }
+
+    /// Largest distance of the image of `curve` from the edge, at 9 parameters; `range` is the edge's part next to it.
+    fn gap(&self, curve: &BezierCurve, source: Source, range: [f64; 2]) -> f64 {
+        let straight = matches!(self.chart.form(), SurfaceForm::Plane(_)) && curve.degree() == 1;
+        // The difference of two straight lines is largest at an end.
+        let count = if straight && matches!(source.span.curve, CurveForm::Line { .. }) { 1 } else { 8 };
+        let at = |k: u32| {
+            let s = f64::from(k) / f64::from(count);
+            let x = self.chart.position(self.to_surface(curve.position(s).truncate()));
+            source.span.nearest(x, range[0] + (range[1] - range[0]) * s).1
+        };
+        (0..=count).map(at).fold(0.0, f64::max)
+    }
+}
+
+/// The exact image of an edge, as a function of the edge's parameter.
+struct Image<'a, 'b> {
+    path: &'b Path<'a>,
+    samples: &'b [(f64, DVec2)],
+    source: Source<'a>,
+    plane_ends: [DVec2; 2],
+    /// How far joining moved the ends.
+    moved: [DVec2; 2],
+    accept: f64,
+}
+
+impl<'a, 'b> Image<'a, 'b> {
+    fn new(fitter: &Fitter, path: &'b Path<'a>, samples: &'b [(f64, DVec2)], source: Source<'a>) -> Self {
+        let ends = [path.start, path.end];
+        let moved = [path.start - samples[0].1, path.end - samples[samples.len() - 1].1];
+        let plane_ends = ends.map(|uv| fitter.to_plane(uv));
+        let mut image = Self { path, samples, source, plane_ends, moved, accept: fitter.scale.accept };
+        image.accept = fitter.scale.accept;
+        image
+    }
+
+    /// Surface parameters at `t`; the inversion starts from the samples on either side.
+    fn surface(&self, fitter: &Fitter, t: f64) -> DVec2 {
+        let [a, b] = [self.samples[0].0, self.samples[self.samples.len() - 1].0];
+        if t == a {
+            return self.path.start;
+        }
+        if t == b {
+            return self.path.end;
+        }
+        let ascending = b > a;
+        let k = self.samples.partition_point(|s| (s.0 <= t) == ascending && s.0 != t || s.0 == a);
+        let k = k.clamp(1, self.samples.len() - 1);
+        let [low, high] = [self.samples[k - 1], self.samples[k]];
+        let near = low.1.lerp(high.1, ((t - low.0) / (high.0 - low.0)).clamp(0.0, 1.0));
+        let uv = fitter.chart.invert(self.source.span.curve.position(t), Some(near), self.accept);
+        uv + self.moved[0].lerp(self.moved[1], (t - a) / (b - a))
+    }
+
+    fn plane(&self, fitter: &Fitter, t: f64) -> DVec2 {
+        fitter.to_plane(self.surface(fitter, t))
+    }
+
+    /// Edge parameters and points between which the image is smooth in the plane: the edge's own knots, and where it
+    /// crosses from one patch's arc to the next.
+    fn breaks(&self, fitter: &Fitter) -> Vec<(f64, DVec2)> {
+        let [a, b] = self.source.range;
+        let inside = |t: f64| (t - a) * (t - b) < 0.0;
+        let mut breaks = vec![(a, self.plane_ends[0])];
+        let knots = self.source.span.breaks();
+        let mut inner: Vec<(f64, DVec2)> =
+            knots.into_iter().filter(|&t| inside(t)).map(|t| (t, self.plane(fitter, t))).collect();
+        for axis in 0..2 {
+            for kink in fitter.axes[axis].kinks() {
+                for w in self.samples.windows(2) {
+                    if (w[0].1[axis] < kink) != (w[1].1[axis] < kink) {
+                        inner.extend(self.crossing(fitter, [w[0].0, w[1].0], axis, kink));
+                    }
+                }
+            }
+        }
+        inner.sort_by(|p, q| ((p.0 - a) / (b - a)).total_cmp(&((q.0 - a) / (b - a))));
+        inner.dedup_by(|p, q| ((p.0 - q.0) / (b - a)).abs() < 1e-9);
+        breaks.append(&mut inner);
+        breaks.push((b, self.plane_ends[1]));
+        breaks
+    }
+
+    /// Where the image's parameter `axis` takes the value `kink`, between two edge parameters.
+    fn crossing(&self, fitter: &Fitter, [mut a, mut b]: [f64; 2], axis: usize, kink: f64) -> Option<(f64, DVec2)> {
+        let low = self.surface(fitter, a)[axis] < kink;
+        if (self.surface(fitter, b)[axis] < kink) == low {
+            return None;
+        }
+        for _ in 0..60 {
+            let t = 0.5 * (a + b);
+            if t == a || t == b {
+                break;
+            }
+            if (self.surface(fitter, t)[axis] < kink) == low { a = t } else { b = t }
+        }
+        let [start, end] = self.source.range;
+        let t = 0.5 * (a + b);
+        if ((t - start) / (end - start)).min((end - t) / (end - start)) < 1e-9 {
+            return None;
+        }
+        let mut uv = self.surface(fitter, t);
+        uv[axis] = kink;
+        Some((t, fitter.to_plane(uv)))
+    }
+}

@@ -1,0 +1,97 @@
+//! Nested nodes as instances in the world.
+
+use super::assembly::Assembly;
+use crate::model::{Instance, Warning};
+use glam::DAffine3;
+
+/// Assemblies nest no deeper.
+const MAX_DEPTH: usize = 200;
+/// More instances, or ways through the assembly, are left out: a few lines of text can ask for 2^60.
+const MAX_STEPS: usize = 1 << 21;
+
+/// A way from the top through an assembly.
+struct Walk<'a> {
+    assembly: &'a Assembly,
+    /// Parts of each node.
+    parts: &'a [Vec<usize>],
+    on_path: Vec<bool>,
+    reached: Vec<bool>,
+    steps: usize,
+    instances: Vec<Instance>,
+    warnings: Vec<Warning>,
+}
+
+/// Where a walk stands.
+struct Place {
+    node: usize,
+    transform: DAffine3,
+    name: String,
+    color: Option<[f32; 3]>,
+    depth: usize,
+}
+
+/// The instances of all parts; `parts` has those of each node.
+pub(super) fn flatten(assembly: &Assembly, parts: &[Vec<usize>]) -> (Vec<Instance>, Vec<Warning>) {
+    let count = assembly.nodes.len();
+    let mut is_child = vec![false; count];
+    for child in assembly.nodes.iter().flat_map(|n| &n.children) {
+        is_child[child.node] = true;
+    }
+    let mut walk = Walk {
+        assembly,
+        parts,
+        on_path: vec![false; count],
+        reached: vec![false; count],
+        steps: 0,
+        instances: Vec::new(),
+        warnings: Vec::new(),
+    };
+    let tops = (0..count).filter(|&n| !is_child[n]);
+    // What only reaches itself has no top: it is entered somewhere.
+    for node in tops.chain(0..count) {
+        if !walk.reached[node] {
+            let name = assembly.nodes[node].name.clone();
+            walk.enter(&Place { node, transform: DAffine3::IDENTITY, name, color: None, depth: 0 });
+        }
+    }
+    if walk.steps >= MAX_STEPS {
+        walk.warn(format!("the assembly asks for more than {MAX_STEPS} components; the rest is left out"));
+    }
+    (walk.instances, walk.warnings)
+}
+
+impl Walk<'_> {
+    fn warn(&mut self, message: String) {
+        // One of a kind is enough.
+        if !self.warnings.iter().any(|w| w.message == message) {
+            self.warnings.push(Warning { entity: None, message });
+        }
+    }
+
+    fn enter(&mut self, place: &Place) {
+        self.steps += 1;
+        if self.steps > MAX_STEPS {
+            return;
+        }
+        if self.on_path[place.node] || place.depth > MAX_DEPTH {
+            let name = &self.assembly.nodes[place.node].name;
+            return self.warn(format!("the assembly \"{name}\" contains itself, or nests deeper than {MAX_DEPTH}"));
+        }
+        self.on_path[place.node] = true;
+        self.reached[place.node] = true;
+        for &part in &self.parts[place.node] {
+            let Place { transform, name, color, .. } = place;
+            self.instances.push(Instance { part, transform: *transform, name: name.clone(), color: *color });
+        }
+        let assembly = self.assembly;
+        for child in &assembly.nodes[place.node].children {
+            let transform = place.transform * child.transform;
+            let own = if child.name.is_empty() { &assembly.nodes[child.node].name } else { &child.name };
+            let name = if place.name.is_empty() { own.clone() } else { format!("{}/{own}", place.name) };
+            // A style of the whole is meant for all of it.
+            let color = place.color.or(child.color);
+            self.enter(&Place { node: child.node, transform, name, color, depth: place.depth + 1 });
+        }
+        self.on_path[place.node] = false;
+    }
+}

@@ -1,0 +1,163 @@
+//! The entity types that the reader knows.
+
+use std::collections::HashMap;
+use std::sync::LazyLock;
+
+macro_rules! kinds {
+    ($($kind:ident $keyword:literal)*) => {
+        /// What an entity is, by its keyword.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub(super) enum Kind {
+            /// A keyword that means nothing here.
+            Other,
+            /// `#1 = (A(...) B(...))`
+            Complex,
+            $($kind,)*
+        }
+
+        static KEYWORDS: LazyLock<HashMap<&'static [u8], Kind>> = LazyLock::new(|| {
+            HashMap::from([$(($keyword.as_bytes(), Kind::$kind),)*])
+        });
+    };
+}
+
+impl Kind {
+    pub fn of(keyword: &[u8]) -> Self {
+        KEYWORDS.get(keyword).copied().unwrap_or(Self::Other)
+    }
+}
+
+kinds! {
+    AdvancedBrepShapeRepresentation "ADVANCED_BREP_SHAPE_REPRESENTATION"
+    AdvancedFace "ADVANCED_FACE"
+    Axis1Placement "AXIS1_PLACEMENT"
+    Axis2Placement2d "AXIS2_PLACEMENT_2D"
+    Axis2Placement3d "AXIS2_PLACEMENT_3D"
+    BSplineCurve "B_SPLINE_CURVE"
+    BSplineCurveWithKnots "B_SPLINE_CURVE_WITH_KNOTS"
+    BSplineSurface "B_SPLINE_SURFACE"
+    BSplineSurfaceWithKnots "B_SPLINE_SURFACE_WITH_KNOTS"
+    BezierCurve "BEZIER_CURVE"
+    BezierSurface "BEZIER_SURFACE"
+    BoundaryCurve "BOUNDARY_CURVE"
+    BoundedSurfaceCurve "BOUNDED_SURFACE_CURVE"
+    BrepWithVoids "BREP_WITH_VOIDS"
+    CartesianPoint "CARTESIAN_POINT"
+    CartesianTransformation "CARTESIAN_TRANSFORMATION_OPERATOR"
+    CartesianTransformation3d "CARTESIAN_TRANSFORMATION_OPERATOR_3D"
+    Circle "CIRCLE"
+    ClosedShell "CLOSED_SHELL"
+    ColourRgb "COLOUR_RGB"
+    CompositeCurve "COMPOSITE_CURVE"
+    CompositeCurveOnSurface "COMPOSITE_CURVE_ON_SURFACE"
+    CompositeCurveSegment "COMPOSITE_CURVE_SEGMENT"
+    ConicalSurface "CONICAL_SURFACE"
+    ConnectedFaceSet "CONNECTED_FACE_SET"
+    ContextDependentOverRidingStyledItem "CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM"
+    ContextDependentShapeRepresentation "CONTEXT_DEPENDENT_SHAPE_REPRESENTATION"
+    ConversionBasedUnit "CONVERSION_BASED_UNIT"
+    CsgShapeRepresentation "CSG_SHAPE_REPRESENTATION"
+    CurveBoundedSurface "CURVE_BOUNDED_SURFACE"
+    CurveReplica "CURVE_REPLICA"
+    CylindricalSurface "CYLINDRICAL_SURFACE"
+    DefinitionalRepresentation "DEFINITIONAL_REPRESENTATION"
+    DegenerateToroidalSurface "DEGENERATE_TOROIDAL_SURFACE"
+    Direction "DIRECTION"
+    DraughtingPreDefinedColour "DRAUGHTING_PRE_DEFINED_COLOUR"
+    Edge "EDGE"
+    EdgeCurve "EDGE_CURVE"
+    EdgeLoop "EDGE_LOOP"
+    Ellipse "ELLIPSE"
+    Face "FACE"
+    FaceBasedSurfaceModel "FACE_BASED_SURFACE_MODEL"
+    FaceBound "FACE_BOUND"
+    FaceOuterBound "FACE_OUTER_BOUND"
+    FaceSurface "FACE_SURFACE"
+    FacetedBrep "FACETED_BREP"
+    FacetedBrepShapeRepresentation "FACETED_BREP_SHAPE_REPRESENTATION"
+    FillAreaStyle "FILL_AREA_STYLE"
+    FillAreaStyleColour "FILL_AREA_STYLE_COLOUR"
+    GeometricCurveSet "GEOMETRIC_CURVE_SET"
+    GeometricRepresentationContext "GEOMETRIC_REPRESENTATION_CONTEXT"
+    GeometricSet "GEOMETRIC_SET"
+    GeometricallyBoundedSurfaceShapeRepresentation "GEOMETRICALLY_BOUNDED_SURFACE_SHAPE_REPRESENTATION"
+    GlobalUncertaintyAssignedContext "GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT"
+    GlobalUnitAssignedContext "GLOBAL_UNIT_ASSIGNED_CONTEXT"
+    Hyperbola "HYPERBOLA"
+    IntersectionCurve "INTERSECTION_CURVE"
+    ItemDefinedTransformation "ITEM_DEFINED_TRANSFORMATION"
+    LengthMeasureWithUnit "LENGTH_MEASURE_WITH_UNIT"
+    LengthUnit "LENGTH_UNIT"
+    Line "LINE"
+    ManifoldSolidBrep "MANIFOLD_SOLID_BREP"
+    ManifoldSurfaceShapeRepresentation "MANIFOLD_SURFACE_SHAPE_REPRESENTATION"
+    MappedItem "MAPPED_ITEM"
+    MeasureWithUnit "MEASURE_WITH_UNIT"
+    NextAssemblyUsageOccurrence "NEXT_ASSEMBLY_USAGE_OCCURRENCE"
+    NonManifoldSurfaceShapeRepresentation "NON_MANIFOLD_SURFACE_SHAPE_REPRESENTATION"
+    OffsetCurve2d "OFFSET_CURVE_2D"
+    OffsetCurve3d "OFFSET_CURVE_3D"
+    OffsetSurface "OFFSET_SURFACE"
+    OpenShell "OPEN_SHELL"
+    OrientedClosedShell "ORIENTED_CLOSED_SHELL"
+    OrientedEdge "ORIENTED_EDGE"
+    OrientedFace "ORIENTED_FACE"
+    OrientedOpenShell "ORIENTED_OPEN_SHELL"
+    OuterBoundaryCurve "OUTER_BOUNDARY_CURVE"
+    OverRidingStyledItem "OVER_RIDING_STYLED_ITEM"
+    Parabola "PARABOLA"
+    Pcurve "PCURVE"
+    Plane "PLANE"
+    PlaneAngleMeasureWithUnit "PLANE_ANGLE_MEASURE_WITH_UNIT"
+    PlaneAngleUnit "PLANE_ANGLE_UNIT"
+    PolyLoop "POLY_LOOP"
+    Polyline "POLYLINE"
+    PresentationStyleAssignment "PRESENTATION_STYLE_ASSIGNMENT"
+    PresentationStyleByContext "PRESENTATION_STYLE_BY_CONTEXT"
+    Product "PRODUCT"
+    ProductDefinition "PRODUCT_DEFINITION"
+    ProductDefinitionFormation "PRODUCT_DEFINITION_FORMATION"
+    ProductDefinitionFormationWithSource "PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE"
+    ProductDefinitionShape "PRODUCT_DEFINITION_SHAPE"
+    ProductDefinitionWithDocuments "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS"
+    QuasiUniformCurve "QUASI_UNIFORM_CURVE"
+    QuasiUniformSurface "QUASI_UNIFORM_SURFACE"
+    RationalBSplineCurve "RATIONAL_B_SPLINE_CURVE"
+    RationalBSplineSurface "RATIONAL_B_SPLINE_SURFACE"
+    RectangularTrimmedSurface "RECTANGULAR_TRIMMED_SURFACE"
+    ReparametrisedCompositeCurveSegment "REPARAMETRISED_COMPOSITE_CURVE_SEGMENT"
+    Representation "REPRESENTATION"
+    RepresentationItem "REPRESENTATION_ITEM"
+    RepresentationMap "REPRESENTATION_MAP"
+    RepresentationRelationship "REPRESENTATION_RELATIONSHIP"
+    RepresentationRelationshipWithTransformation "REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION"
+    SeamCurve "SEAM_CURVE"
+    ShapeDefinitionRepresentation "SHAPE_DEFINITION_REPRESENTATION"
+    ShapeRepresentation "SHAPE_REPRESENTATION"
+    ShapeRepresentationRelationship "SHAPE_REPRESENTATION_RELATIONSHIP"
+    ShapeRepresentationWithParameters "SHAPE_REPRESENTATION_WITH_PARAMETERS"
+    ShellBasedSurfaceModel "SHELL_BASED_SURFACE_MODEL"
+    SiUnit "SI_UNIT"
+    SphericalSurface "SPHERICAL_SURFACE"
+    StyledItem "STYLED_ITEM"
+    SubEdge "SUBEDGE"
+    Subface "SUBFACE"
+    SurfaceCurve "SURFACE_CURVE"
+    SurfaceOfLinearExtrusion "SURFACE_OF_LINEAR_EXTRUSION"
+    SurfaceOfRevolution "SURFACE_OF_REVOLUTION"
+    SurfaceReplica "SURFACE_REPLICA"
+    SurfaceSideStyle "SURFACE_SIDE_STYLE"
+    SurfaceStyleFillArea "SURFACE_STYLE_FILL_AREA"
+    SurfaceStyleRendering "SURFACE_STYLE_RENDERING"
+    SurfaceStyleRenderingWithProperties "SURFACE_STYLE_RENDERING_WITH_PROPERTIES"
+    SurfaceStyleUsage "SURFACE_STYLE_USAGE"
+    TessellatedShapeRepresentation "TESSELLATED_SHAPE_REPRESENTATION"
+    ToroidalSurface "TOROIDAL_SURFACE"
+    TrimmedCurve "TRIMMED_CURVE"
+    UncertaintyMeasureWithUnit "UNCERTAINTY_MEASURE_WITH_UNIT"
+    UniformCurve "UNIFORM_CURVE"
+    UniformSurface "UNIFORM_SURFACE"
+    Vector "VECTOR"
+    VertexLoop "VERTEX_LOOP"
+    VertexPoint "VERTEX_POINT"
+}

@@ -1,0 +1,106 @@
+//! Part of refinement: Newton's method beside a fold of the surface's image.
+//!
+//! There the map from parameters to pixels is nearly singular: it sees a step along one direction `v` of the parameter
+//! plane well and one across it hardly at all. A plain step overshoots without bound along the unseen direction; halving
+//! it shrinks the seen part too and gets nowhere. So the seen part is taken whole, the unseen one by a fraction, and what
+//! trials miss tells the curvature of the surface's image: the next one goes along a parabola in the parameter plane and
+//! solves a quadratic equation for the fraction.
+
+use super::newton::Surface;
+use fearless_simd::{f32x8, mask32x8, prelude::*};
+use fearless_simd_macros::simd;
+
+/// Squared ratio of the singular values below which the map counts as nearly singular.
+const NEAR_FOLD: f32 = 1.0 / 16.0;
+/// Leaf parameters that a parabola is trusted for.
+const FAR: f32 = 0.25;
+const TINY: f32 = 1e-30;
+
+/// `seen + unseen f + bend f²` for fractions f of the unseen part.
+pub(super) struct FoldStep<S: Simd> {
+    seen: [f32x8<S>; 2],
+    unseen: [f32x8<S>; 2],
+    bend: [f32x8<S>; 2],
+    fraction: f32x8<S>,
+    /// The seen direction in the parameter plane, and its image in pixels.
+    v: [f32x8<S>; 2],
+    image: [f32x8<S>; 2],
+    /// How far the target lies across that image, times its length.
+    across: f32x8<S>,
+    /// Where all this is needed, and some of the unseen step stays inside the patch.
+    pub near: mask32x8<S>,
+}
+
+/// `[x_s, y_s]`, `[x_t, y_t]`, the whole step (ds, dt) from (s, t), and the residual in pixels that it should remove.
+#[simd]
+pub(super) fn fold_step<S: Simd>(
+    simd: S,
+    surface: &Surface,
+    [[a, b], [c, d]]: [[f32x8<S>; 2]; 2],
+    whole: [f32x8<S>; 2],
+    from: [f32x8<S>; 2],
+    [rx, ry]: [f32x8<S>; 2],
+) -> FoldStep<S> {
+    let zero = f32x8::splat(simd, 0.0);
+    let (aa, cc, ac) = (a * a + b * b, c * c + d * d, a * c + b * d);
+    // The seen direction is the eigenvector of J^T J with the larger eigenvalue.
+    let half = (aa - cc) * 0.5;
+    let largest = (aa + cc) * 0.5 + (half * half + ac * ac).sqrt();
+    let along_s = aa.simd_ge(cc);
+    let v = [along_s.select(largest - cc, ac), along_s.select(ac, largest - aa)];
+    let image = [a * v[0] + c * v[1], b * v[0] + d * v[1]];
+    let solved = (image[0] * rx + image[1] * ry) / (image[0] * image[0] + image[1] * image[1] + TINY);
+    let part = [v[0] * solved, v[1] * solved];
+    let unseen = [whole[0] - part[0], whole[1] - part[1]];
+    let seen = [from[0] + part[0], from[1] + part[1]];
+    // How much of the rest stays inside, and near enough for a parabola to say something.
+    let room = |k: usize| {
+        let [low, high] = surface.domain[k];
+        let ahead = unseen[k].simd_gt(zero).select(high - seen[k], seen[k] - low);
+        ahead.min(f32x8::splat(simd, FAR)) / (unseen[k].abs() + TINY)
+    };
+    let fraction = room(0).min(room(1)).min(f32x8::splat(simd, 1.0));
+    let det = a * d - b * c;
+    FoldStep {
+        near: (det * det).simd_lt(largest * largest * NEAR_FOLD) & fraction.simd_gt(zero),
+        across: image[0] * ry - image[1] * rx,
+        bend: [zero; 2],
+        seen,
+        unseen,
+        fraction,
+        v,
+        image,
+    }
+}
+
+/// The parameters of this trial, clamped to the patch.
+#[simd]
+pub(super) fn trial<S: Simd>(simd: S, step: &FoldStep<S>, surface: &Surface) -> [f32x8<S>; 2] {
+    [0, 1].map(|k| {
+        let [low, high] = surface.domain[k];
+        let at = step.seen[k] + (step.unseen[k] + step.bend[k] * step.fraction) * step.fraction;
+        at.max(f32x8::splat(simd, low)).min(f32x8::splat(simd, high))
+    })
+}
+
+/// The next trial after one that left the residual (rx, ry); without `solve` just shorter.
+#[simd]
+pub(super) fn shorten<S: Simd>(simd: S, step: FoldStep<S>, rx: f32x8<S>, ry: f32x8<S>, solve: bool) -> FoldStep<S> {
+    let zero = f32x8::splat(simd, 0.0);
+    let FoldStep { image, fraction, across, v, bend, .. } = step;
+    let by_square = 1.0 / (fraction * fraction);
+    // Along the image nothing should be left; across it, what the fraction leaves of the linear part.
+    let along = (image[0] * rx + image[1] * ry) * by_square / (image[0] * image[0] + image[1] * image[1] + TINY);
+    let curvature = (across * (1.0 - fraction) - (image[0] * ry - image[1] * rx)) * by_square;
+    // across (1 - f) = curvature f²; without a solution, the nearest that there is: the fold.
+    let inside = across * (across + curvature * 4.0);
+    let root = across * 2.0 / (across + inside.max(zero).sqrt().copysign(across));
+    let best = inside.simd_ge(zero).select(root, across / (curvature * -2.0));
+    // Also where there is no number to be had.
+    let best = best.simd_ge(fraction * 0.02).select(best, fraction * 0.25);
+    FoldStep {
+        fraction: if solve { best.min(fraction * 1.5).min(f32x8::splat(simd, 1.0)) } else { fraction * 0.25 },
+        bend: [bend[0] + v[0] * along, bend[1] + v[1] * along],
+        ..step
+    }
+}

@@ -1,0 +1,456 @@
+//! trim: fragments of meshlets that a trim curve crosses are tested on the exact surface (DESIGN section 5).
+//!
+//! A fragment's interpolated parameters may be half a pixel off. Where all parameters that near lie on one side, that
+//! decides, for a whole triangle or for a block of pixels at once. Elsewhere the parameters are refined to the pixel's
+//! centre before the test, so that both faces at an edge cut at the same place; a point outside but within the model's
+//! own gap of a curve counts as inside, so that the faces meet.
+
+use super::cull::Leaf;
+use super::evaluate::{Meshlet, SUBPIXELS, Vertex};
+use super::fill::is_tested_alone;
+use super::frame::Targets;
+use super::lens::Lens;
+use super::newton::{Batch, LANES, Surface};
+use super::rasterize::{BAND, Band, Bins, Coverage, faces_away, outlines};
+use super::settle::EXACT;
+use super::shade::Shader;
+use super::stroke::Pen;
+use super::topology::{FOLD, depth_of, meshlet_of, triangle_index, triangles, word};
+use super::trim_texture::Texture;
+use super::{Fill, Options};
+use crate::scene::{ParameterBox, Region, Scene, TrimTree};
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// Pixels a side of the largest blocks that are classified at once, and of those whose pixels are tested each.
+const LARGEST: i64 = 16;
+const SMALLEST: i64 = 2;
+/// Pixels that a face reaches over its own gap at most, so that two faces close one of a pixel; larger ones are shown.
+const MAX_GAP: f64 = 0.5;
+/// Pixels that refinement leaves (1/512), and the rounding of f32 parameters on top of `Leaf::rounding`.
+const REFINED: f64 = 1.0 / 512.0 + 1.0 / 1024.0;
+/// The surface's parameters change up to this many times as fast as its triangle's.
+const BENT: f64 = 2.0;
+
+/// What trimming did in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct TrimCounts {
+    /// Meshlets of patches that loops cut: not drawn, drawn untested, tested.
+    pub meshlets_outside: u64,
+    pub meshlets_inside: u64,
+    pub meshlets_boundary: u64,
+    /// Fragments that were refined and tested, those of them that were rejected, and those left to the exact search.
+    pub tested: u64,
+    pub rejected: u64,
+    pub proposed: u64,
+}
+
+impl TrimCounts {
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self {
+            meshlets_outside: self.meshlets_outside + other.meshlets_outside,
+            meshlets_inside: self.meshlets_inside + other.meshlets_inside,
+            meshlets_boundary: self.meshlets_boundary + other.meshlets_boundary,
+            tested: self.tested + other.tested,
+            rejected: self.rejected + other.rejected,
+            proposed: self.proposed + other.proposed,
+        }
+    }
+}
+
+/// A leaf in the plane of its face's trims.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cut<'a> {
+    pub tree: TrimTree<'a>,
+    /// Leaf parameters (0, 0) in the plane, and what one is there.
+    origin: [f64; 2],
+    size: [f64; 2],
+    /// Pixels a unit of length at most, anywhere on the leaf.
+    pixels_per_unit: f64,
+    /// Pixels that a refined point may be off by.
+    rounding: f64,
+}
+
+impl<'a> Cut<'a> {
+    /// `None` where no loop cuts the leaf's patch, or trims are off.
+    pub fn new(scene: &'a Scene, lens: &Lens, options: &Options, leaf: &Leaf) -> Option<Self> {
+        let patch = &scene.patches[leaf.patch as usize];
+        let tree = scene.trim_tree(patch).filter(|_| options.trim != super::Trim::Off)?;
+        let size = [0, 1].map(|k| (patch.domain[k][1] - patch.domain[k][0]) * leaf.extent[k]);
+        Some(Self {
+            tree,
+            origin: patch.to_plane(leaf.corner),
+            size,
+            pixels_per_unit: pixels_per_unit(scene, lens, leaf),
+            rounding: REFINED + leaf.rounding,
+        })
+    }
+
+    pub fn to_plane(self, s: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| self.origin[k] + self.size[k] * s[k])
+    }
+
+    pub fn from_plane(self, p: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|k| (p[k] - self.origin[k]) / self.size[k])
+    }
+
+    /// Pixels within which a curve with this gap keeps points outside.
+    fn margin(&self, gap: f64) -> f64 {
+        (gap * self.pixels_per_unit).min(MAX_GAP) + self.rounding
+    }
+
+    /// Where a box of leaf parameters lies.
+    pub fn classify(&self, low: [f64; 2], high: [f64; 2]) -> Region {
+        self.tree.classify(&ParameterBox::around([self.to_plane(low), self.to_plane(high)]))
+    }
+
+    /// Quads that the parameters of a triangle's fragments may be off by.
+    fn spread(&self, corners: [[usize; 2]; 3], vertices: &[Vertex; 3], tolerance: f64) -> [f64; 2] {
+        let reach = (tolerance + self.margin(self.tree.gap())) * f64::from(SUBPIXELS) * BENT;
+        quads_per_subpixel(corners, vertices).map(|e| e * reach)
+    }
+}
+
+/// Pixels that a unit of length covers at most, anywhere on a leaf.
+pub(super) fn pixels_per_unit(scene: &Scene, lens: &Lens, leaf: &Leaf) -> f64 {
+    let map = lens.patch_map(&scene.instances[leaf.instance as usize], scene.patches[leaf.patch as usize].origin);
+    let [x, y, z] = map.axes.map(|axis| axis.length());
+    let across = x.max(y) * lens.scale;
+    if !lens.perspective {
+        return across;
+    }
+    let aside = [leaf.low.x, leaf.low.y, leaf.high.x, leaf.high.y].map(f64::abs).into_iter().fold(0.0, f64::max);
+    (across + aside * z) / leaf.low.z
+}
+
+/// The model's gaps about a leaf in pixels, as far as they are closed: along its patch's borders, and of all its curves.
+pub(super) fn gaps(scene: &Scene, lens: &Lens, leaf: &Leaf) -> [f64; 2] {
+    let patch = &scene.patches[leaf.patch as usize];
+    let border = patch.trim.gap;
+    let all = scene.trim_tree(patch).map_or(0.0, |tree| tree.gap()).max(border);
+    if all == 0.0 {
+        return [0.0; 2];
+    }
+    let scale = pixels_per_unit(scene, lens, leaf);
+    [border, all].map(|gap| (gap * scale).min(MAX_GAP))
+}
+
+/// How fast the parameters change across a triangle, along both screen axes together: quads a sub-pixel in u and in v.
+/// `corners` are places in the meshlet's grid.
+fn quads_per_subpixel(corners: [[usize; 2]; 3], [a, b, c]: &[Vertex; 3]) -> [f64; 2] {
+    let side = |to: &Vertex| [f64::from(to.x) - f64::from(a.x), f64::from(to.y) - f64::from(a.y)];
+    let ([ux, uy], [vx, vy]) = (side(b), side(c));
+    let weights = [a.weight, b.weight, c.weight].map(f64::from);
+    // Perspective-correct: the gradient grows by the weights' ratio, squared at most.
+    let ratio = weights.into_iter().fold(0.0, f64::max) / weights.into_iter().fold(f64::INFINITY, f64::min);
+    let inverse = ratio * ratio / (ux * vy - uy * vx).abs();
+    [0, 1].map(|k| {
+        let [first, second] = [1, 2].map(|n| corners[n][k] as f64 - corners[0][k] as f64);
+        ((first * vy - second * uy).abs() + (second * ux - first * vx).abs()) * inverse
+    })
+}
+
+/// Where a meshlet lies, its fragments' errors included.
+pub(super) fn region(cut: &Cut, tolerance: f64, quads: [u32; 2], meshlet: &Meshlet, vertices: &[Vertex]) -> Region {
+    let mut spread = [0.0f64; 2];
+    let across = usize::from(meshlet.quads[1]) + 1;
+    for a in 0..usize::from(meshlet.quads[0]) {
+        for b in 0..usize::from(meshlet.quads[1]) {
+            for corners in triangles(a, b, meshlet.diagonal) {
+                let here = cut.spread(corners, &corners.map(|[i, j]| vertices[i * across + j]), tolerance);
+                // Triangles that are edge-on have no fragments.
+                if here.iter().all(|s| s.is_finite()) {
+                    spread = [0, 1].map(|k| spread[k].max(here[k]));
+                }
+            }
+        }
+    }
+    let first = meshlet.first.map(f64::from);
+    let low = [0, 1].map(|k| (first[k] - spread[k]) / f64::from(quads[k]));
+    let high = [0, 1].map(|k| (first[k] + f64::from(meshlet.quads[k]) + spread[k]) / f64::from(quads[k]));
+    cut.classify(low, high)
+}
+
+/// What one task needs to draw the tested meshlets of its band.
+struct Trimmer<'a> {
+    shader: &'a Shader<'a>,
+    counts: TrimCounts,
+    /// Fragments of the meshlet being drawn that have to be refined: pixel of the band, word.
+    queue: Vec<(u32, u64)>,
+}
+
+/// The textures of `--trim texture`, by leaf; none otherwise.
+pub(super) fn textures(shader: &Shader) -> Vec<Option<Texture>> {
+    let Shader { scene, lens, options, leaves, nets, .. } = *shader;
+    if options.trim != super::Trim::Texture {
+        return Vec::new();
+    }
+    let texture = |leaf: &Leaf| {
+        let cut = Cut::new(scene, lens, options, leaf)?;
+        let net = &nets[leaf.net as usize..leaf.net as usize + leaf.points()];
+        Some(Texture::new(&cut, leaf, net, lens.perspective, options.tolerance))
+    };
+    leaves.par_iter().map(texture).collect()
+}
+
+/// Draws the meshlets that trim curves cross into the buffers that `rasterize` left.
+pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> TrimCounts {
+    let width = shader.lens.size[0] as usize;
+    let meshlets = &shader.meshlets.meshlets;
+    // The nearest first: what they hide needs no test.
+    let nearest = |m: &Meshlet| {
+        let count = (usize::from(m.quads[0]) + 1) * (usize::from(m.quads[1]) + 1);
+        let vertices = &shader.meshlets.vertices[m.vertices as usize..][..count];
+        vertices.iter().fold(0.0f32, |depth, v| depth.max(v.depth))
+    };
+    let tested = meshlets.iter().enumerate().filter(|(_, m)| m.tested);
+    let mut order: Vec<(f32, u32)> = tested.map(|(k, m)| (nearest(m), k as u32)).collect();
+    if order.is_empty() {
+        return TrimCounts::default();
+    }
+    order.par_sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    let bins = Bins::new(meshlets, order.iter().map(|&(_, k)| k), (shader.lens.size[1] as usize).div_ceil(BAND));
+    let bands = targets.near.par_chunks_mut(width * BAND).zip(targets.spare.par_chunks_mut(width * BAND));
+    let bands = bands.zip(targets.touched.par_iter_mut()).enumerate();
+    let counts = bands.map(|(k, ((near, spare), touched))| {
+        let first = (k * BAND) as i32;
+        let rows = [first, first + (near.len() / width) as i32];
+        let mut band = Band { width: width as i32, rows, near, spare, touched, listed: None };
+        let mut trimmer = Trimmer { shader, counts: TrimCounts::default(), queue: Vec::new() };
+        for &number in bins.of(k) {
+            trimmer.meshlet(number, pens, &mut band);
+        }
+        trimmer.counts
+    });
+    let mut counts = counts.reduce(TrimCounts::default, TrimCounts::plus);
+    counts.meshlets_boundary = order.len() as u64;
+    counts
+}
+
+impl Trimmer<'_> {
+    fn meshlet(&mut self, number: u32, pens: &[Pen], band: &mut Band) {
+        let Shader { scene, lens, options, meshlets, leaves, grids, .. } = *self.shader;
+        let meshlet = &meshlets.meshlets[number as usize];
+        let leaf = &leaves[meshlet.leaf as usize];
+        let Some(cut) = Cut::new(scene, lens, options, leaf) else { return };
+        let quads = grids[meshlet.leaf as usize].quads;
+        for a in 0..usize::from(meshlet.quads[0]) {
+            for b in 0..usize::from(meshlet.quads[1]) {
+                let first = triangle_index(meshlet, a, b);
+                for (k, corners) in triangles(a, b, meshlet.diagonal).into_iter().enumerate() {
+                    let vertices = corners.map(|[i, j]| meshlets.vertices[meshlet.vertex(i, j)]);
+                    if faces_away(&vertices, meshlet.hidden) {
+                        continue;
+                    }
+                    let Some(coverage) = Coverage::new(&vertices, band) else { continue };
+                    let spread = cut.spread(corners, &vertices, options.tolerance);
+                    let at = |k: usize, c: f64| (f64::from(meshlet.first[k]) + c) / f64::from(quads[k]);
+                    let quad = Quad {
+                        low: [at(0, a as f64), at(1, b as f64)],
+                        high: [at(0, a as f64 + 1.0), at(1, b as f64 + 1.0)],
+                        spread: [0, 1].map(|k| spread[k] / f64::from(quads[k])),
+                        corners: corners.map(|[i, j]| [at(0, i as f64), at(1, j as f64)]),
+                    };
+                    let id = word(0.0, number, first + k as u32);
+                    self.triangle(&cut, &quad, &coverage, &vertices, id, band);
+                }
+            }
+        }
+        self.flush(&cut, meshlet.leaf, band);
+        if is_tested_alone(options) {
+            band.listed = Some(Vec::new());
+            outlines(meshlets, number, pens, options.fill, band);
+            let listed = band.listed.take().unwrap_or_default();
+            for (pixel, fragment) in listed {
+                let place = band.rows[0] as u32 * band.width as u32 + pixel;
+                let s = self.shader.interpolated(meshlet.leaf, fragment, place).map(f64::from);
+                self.counts.tested += 1;
+                if cut.tree.contains(cut.to_plane(s)) {
+                    band.spare_at(pixel, fragment);
+                } else {
+                    self.counts.rejected += 1;
+                }
+            }
+        }
+    }
+
+    fn triangle(
+        &mut self,
+        cut: &Cut,
+        quad: &Quad,
+        coverage: &Coverage,
+        vertices: &[Vertex; 3],
+        id: u64,
+        band: &mut Band,
+    ) {
+        match cut.classify([0, 1].map(|k| quad.low[k] - quad.spread[k]), [0, 1].map(|k| quad.high[k] + quad.spread[k]))
+        {
+            Region::Outside => return,
+            Region::Inside => return coverage.draw(coverage.pixels, id, band),
+            Region::Boundary => {}
+        }
+        // Blocks from large to small, until one is decided or has few pixels.
+        let mut stack = vec![coverage.pixels];
+        while let Some(block) = stack.pop() {
+            let [(x0, x1), (y0, y1)] = block;
+            let side = (x1 - x0).max(y1 - y0) + 1;
+            if side <= LARGEST {
+                let (low, high) = quad.parameters(vertices, block);
+                match cut.classify(low, high) {
+                    Region::Outside => continue,
+                    Region::Inside => {
+                        coverage.draw(block, id, band);
+                        continue;
+                    }
+                    Region::Boundary => {}
+                }
+            }
+            if side <= SMALLEST {
+                coverage.each(block, id, band, |_, pixel, fragment| self.queue.push((pixel, fragment)));
+                continue;
+            }
+            let [xs, ys] = [(x0, x1), (y0, y1)].map(halves);
+            for y in ys.into_iter().flatten() {
+                stack.extend(xs.into_iter().flatten().map(|x| [x, y]));
+            }
+        }
+    }
+
+    /// Refines what is queued, tests it and draws what passes.
+    fn flush(&mut self, cut: &Cut, leaf: u32, band: &mut Band) {
+        let shader = self.shader;
+        let surface = shader.surface(leaf);
+        let offset = band.rows[0] as u32 * band.width as u32;
+        let mut queue = std::mem::take(&mut self.queue);
+        // What other fragments of the meshlet hide by now goes first; all of it is decided again at the end.
+        queue.retain(|&(pixel, fragment)| fragment > band.near[pixel as usize]);
+        for fragments in queue.chunks(LANES) {
+            let mut batch = Batch::default();
+            for k in 0..LANES {
+                let (pixel, fragment) = fragments[k.min(fragments.len() - 1)];
+                [batch.s[k], batch.t[k]] = shader.interpolated(leaf, fragment, pixel + offset);
+                [batch.x[k], batch.y[k]] = shader.target(&shader.leaves[leaf as usize], pixel + offset);
+            }
+            // A texture is as good as the interpolated parameters.
+            let rounds = if shader.options.trim == super::Trim::Texture { 0 } else { shader.options.refine };
+            shader.refine(&surface, rounds, &mut batch);
+            for (k, &(pixel, fragment)) in fragments.iter().enumerate() {
+                self.counts.tested += 1;
+                if keeps(shader, leaf, cut, &surface, &batch, k) {
+                    let near = &mut band.near[pixel as usize];
+                    *near = (*near).max(fragment);
+                    continue;
+                }
+                self.counts.rejected += 1;
+                // It was not tested under the pixel's centre: whatever surface lies there is searched for.
+                let undecided = batch.residual[k] > EXACT && rounds > 0;
+                if undecided && shader.options.fill == Fill::Stroke {
+                    self.counts.proposed += 1;
+                    band.spare_at(pixel, word(depth_of(fragment), meshlet_of(fragment), FOLD));
+                }
+            }
+        }
+        queue.clear();
+        self.queue = queue;
+    }
+}
+
+/// A range of pixels cut in two where it is longer than `SMALLEST`.
+fn halves((low, high): (i64, i64)) -> [Option<(i64, i64)>; 2] {
+    if high - low < SMALLEST {
+        return [Some((low, high)), None];
+    }
+    let middle = (low + high) / 2;
+    [Some((low, middle)), Some((middle + 1, high))]
+}
+
+/// A quad's rectangle of leaf parameters, as one of its triangles sees it.
+struct Quad {
+    low: [f64; 2],
+    high: [f64; 2],
+    /// What the parameters of fragments may be off by.
+    spread: [f64; 2],
+    /// Parameters of the triangle's corners.
+    corners: [[f64; 2]; 3],
+}
+
+impl Quad {
+    /// Box of the parameters of the triangle's fragments in a block of pixels, their errors included.
+    ///
+    /// The map from the screen to the parameters is projective: where its denominator is positive it takes the block's
+    /// hull into the hull of its corners' images.
+    fn parameters(&self, vertices: &[Vertex; 3], [xs, ys]: [(i64, i64); 2]) -> ([f64; 2], [f64; 2]) {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        let [a, b, c] = vertices.map(|v| [f64::from(v.x), f64::from(v.y)]);
+        let cross =
+            |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+        let area = cross(a, b, c);
+        let mut regular = area != 0.0;
+        for (x, y) in [(xs.0, ys.0), (xs.0, ys.1), (xs.1, ys.0), (xs.1, ys.1)] {
+            let p = [x, y].map(|c| (c as f64 + 0.5) * f64::from(SUBPIXELS));
+            let weights = [cross(b, c, p), cross(c, a, p), cross(a, b, p)];
+            let weights: [f64; 3] = std::array::from_fn(|k| weights[k] / area * f64::from(vertices[k].weight));
+            let sum = weights.iter().sum::<f64>();
+            regular &= sum > 0.0;
+            for k in 0..2 {
+                let value = (0..3).map(|n| weights[n] * self.corners[n][k]).sum::<f64>() / sum;
+                low[k] = low[k].min(value);
+                high[k] = high[k].max(value);
+            }
+        }
+        if !regular {
+            (low, high) = (self.low, self.high);
+        }
+        (
+            [0, 1].map(|k| low[k].max(self.low[k]) - self.spread[k]),
+            [0, 1].map(|k| high[k].min(self.high[k]) + self.spread[k]),
+        )
+    }
+}
+
+/// A refined point is inside the loops, or on the screen within a curve's gap and rounding of one.
+pub(super) fn keeps(shader: &Shader, leaf: u32, cut: &Cut, surface: &Surface, batch: &Batch, lane: usize) -> bool {
+    let s = [batch.s[lane], batch.t[lane]].map(f64::from);
+    if let Some(Some(texture)) = shader.textures.get(leaf as usize) {
+        return texture.contains(s);
+    }
+    let p = cut.to_plane(s);
+    if cut.tree.contains(p) {
+        return true;
+    }
+    if shader.options.refine == 0 {
+        return false;
+    }
+    // By the plane's parameters: x and y in pixels, depth in units.
+    let by = |derivative: &[[f32; LANES]; 3], axis: usize| {
+        [0, 1, 2].map(|c| f64::from(derivative[c][lane]) / cut.size[axis])
+    };
+    let (du, dv) = (by(&batch.ds, 0), by(&batch.dt, 1));
+    let tolerance = f64::from(surface.depth_tolerance);
+    let half = |gap: f64| {
+        let margin = cut.margin(gap);
+        [margin, margin, tolerance * (1.0 + margin)]
+    };
+    let image = |q: [f64; 2]| {
+        let d = [q[0] - p[0], q[1] - p[1]];
+        [0, 1, 2].map(|c| du[c] * d[0] + dv[c] * d[1])
+    };
+    let reach = preimage(&du, &dv, half(cut.tree.gap()));
+    let within = ParameterBox { low: p, high: p }.grown(reach);
+    cut.tree.comes_near(&within, &image, half)
+}
+
+/// Half sizes of a box that holds all (u, v) with `|du u + dv v| <= half` in each component.
+fn preimage(du: &[f64; 3], dv: &[f64; 3], half: [f64; 3]) -> [f64; 2] {
+    let mut reach = [f64::INFINITY; 2];
+    for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+        let det = (du[i] * dv[j] - dv[i] * du[j]).abs();
+        let u = (dv[j].abs() * half[i] + dv[i].abs() * half[j]) / det;
+        let v = (du[j].abs() * half[i] + du[i].abs() * half[j]) / det;
+        // Not where the determinant is zero.
+        if u.is_finite() && v.is_finite() {
+            reach = [reach[0].min(u), reach[1].min(v)];
+        }
+    }
+    reach
+}

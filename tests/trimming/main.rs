@@ -1,0 +1,5 @@
+//! Trimming: the trees over trim loops against a second method, and trimmed frames against pictures known exactly.
+
+#[path = "../support/mod.rs"]
+mod support;
+mod tree;
