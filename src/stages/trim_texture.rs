@@ -5,7 +5,7 @@
 //! passes it: Guthe's line strip against cracks. Fragments look it up at their interpolated parameters.
 
 use super::cull::Leaf;
-use super::trim::Cut;
+use super::trim_cut::Cut;
 use glam::Vec4;
 
 /// Texels a side at most: what would need more is coarser than the tolerance.

@@ -33,7 +33,7 @@ pub fn part_of(name: &str) -> Option<Part> {
         "touching" => (Solidity::Open, vec![touching()]),
         _ => return None,
     };
-    Some(Part { name: name.into(), faces, solidity })
+    Some(Part { name: name.into(), faces, solidity, ..Part::default() })
 }
 
 fn face(id: u32, kind: SurfaceKind, surface: Surface, loops: Vec<Loop>) -> Face {
