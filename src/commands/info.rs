@@ -31,14 +31,19 @@ struct Info {
     /// What the prepared model takes at run time; null where it can't be prepared (a warning says why).
     bytes: Option<usize>,
     bytes_geometry: Option<usize>,
+    /// Trim loops, as the oracle reads them.
+    bytes_loops: Option<usize>,
+    /// Trim trees, as the frame does.
     bytes_trims: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     face_list: Option<Vec<FaceFigures>>,
 }
 
 /// What a prepared scene takes in memory, without the allocator's own share.
+#[derive(Clone, Copy)]
 struct Bytes {
     geometry: usize,
+    loops: usize,
     trims: usize,
 }
 
@@ -72,9 +77,10 @@ fn describe(source: Loaded, list: bool) -> Info {
     Info {
         source,
         figures,
-        bytes: bytes.as_ref().map(|b| b.geometry + b.trims),
-        bytes_geometry: bytes.as_ref().map(|b| b.geometry),
-        bytes_trims: bytes.as_ref().map(|b| b.trims),
+        bytes: bytes.map(|b| b.geometry + b.loops + b.trims),
+        bytes_geometry: bytes.map(|b| b.geometry),
+        bytes_loops: bytes.map(|b| b.loops),
+        bytes_trims: bytes.map(|b| b.trims),
         face_list,
     }
 }
@@ -89,9 +95,9 @@ impl Bytes {
             + names;
         let loops = || scene.faces.iter().flat_map(|f| f.loops.iter());
         let curves = loops().flat_map(|l| &l.curves);
-        let trims = curves.map(|c| size_of_val(c) + size_of_val(c.curve.points())).sum::<usize>()
+        let loops = curves.map(|c| size_of_val(c) + size_of_val(c.curve.points())).sum::<usize>()
             + loops().map(size_of_val).sum::<usize>();
-        Self { geometry, trims }
+        Self { geometry, loops, trims: scene.trim_bytes() }
     }
 }
 
@@ -103,6 +109,12 @@ fn table(info: &Info) -> String {
     let bytes = |b: Option<usize>| b.map_or("-".to_owned(), |b| format!("{:.2} MB", b as f64 / 1e6));
     let corner = |c: [f64; 3]| c.map(|x| format!("{x}")).join(", ");
     let bounds = f.bounds.map_or("-".to_owned(), |[low, high]| format!("{} to {} {unit}", corner(low), corner(high)));
+    let memory = format!(
+        "{} + {} trim loops + {} trim trees",
+        bytes(info.bytes_geometry),
+        bytes(info.bytes_loops),
+        bytes(info.bytes_trims)
+    );
     let stored = format!("{} ({} stored in {} parts, {} instances)", f.faces, f.unique_faces, f.parts, f.instances);
     let mut rows = vec![
         ("model", info.source.name.clone()),
@@ -116,7 +128,7 @@ fn table(info: &Info) -> String {
         ("largest gap", format!("{} {unit}", significant(f.largest_gap))),
         ("area", format!("{} {unit}² (relative error {:.1e})", significant(f.area), f.area_relative_error)),
         ("bounds", bounds),
-        ("memory", format!("{} + {} trims", bytes(info.bytes_geometry), bytes(info.bytes_trims))),
+        ("memory", memory),
         ("warnings", f.warnings.len().to_string()),
     ];
     if info.source.files > 1 {
