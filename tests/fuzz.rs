@@ -177,7 +177,10 @@ fn damaged_step() {
         let start = std::time::Instant::now();
         std::fs::write("/tmp/fuzz_case.stp", &bytes).unwrap();
         check_step(&bytes, &format!("case {case}"));
-        if start.elapsed().as_secs_f64() > 0.2 { println!("case {case} {:?}", start.elapsed()); std::fs::copy("/tmp/fuzz_case.stp", format!("/tmp/fuzz_slow_{case}.stp")).unwrap(); }
+        if start.elapsed().as_secs_f64() > 0.2 {
+            println!("case {case} {:?}", start.elapsed());
+            std::fs::copy("/tmp/fuzz_case.stp", format!("/tmp/fuzz_slow_{case}.stp")).unwrap();
+        }
     }
 }
 

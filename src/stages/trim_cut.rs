@@ -48,7 +48,7 @@ impl<'a> Cut<'a> {
         [0, 1].map(|k| self.origin[k] + self.size[k] * s[k])
     }
 
-    pub fn from_plane(self, p: [f64; 2]) -> [f64; 2] {
+    pub fn leaf_point(self, p: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| (p[k] - self.origin[k]) / self.size[k])
     }
 

@@ -87,7 +87,7 @@ fn drilled(o: DVec3, d: DVec3) -> Option<u32> {
 /// Edges to look at where a view is magnified.
 const WEDGE_EDGE: DVec3 =
     DVec3::new(std::f64::consts::FRAC_1_SQRT_2, -std::f64::consts::FRAC_1_SQRT_2, 0.8535533905932737);
-const DRILLED_EDGE: DVec3 = DVec3::new(-0.42426406871192851, 0.42426406871192851, 1.0);
+const DRILLED_EDGE: DVec3 = DVec3::new(-0.424_264_068_711_928_5, 0.424_264_068_711_928_5, 1.0);
 
 fn spec(view: View, zoom: f64, target: DVec3, orthographic: bool) -> ViewSpec {
     ViewSpec { size: [160, 120], view, zoom, target: Some(target), orthographic, ..ViewSpec::default() }
