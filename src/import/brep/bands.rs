@@ -200,10 +200,13 @@ impl Bands<'_> {
         Ring { paths, winding: [0, 0], bridged: ring.bridged.max(other.bridged) }
     }
 
-    /// Makes the ring start where its parameter along the axis is `value` or that and whole periods, and moves it there.
+    /// Makes the ring start where its parameter along the axis is `value`, up to whole turns of its own, and moves it there.
     fn rotate(&self, ring: &mut Ring, value: f64) {
         let (axis, turn) = (self.axis, ring.turn(self.chart));
-        let Some(period) = self.chart.periods()[axis] else { return };
+        let period = turn[axis].abs();
+        if period == 0.0 {
+            return;
+        }
         let crossing = |path: &Path| {
             let [a, b] = [path.start[axis], path.end[axis]];
             let [low, high] = [a.min(b), a.max(b)];
@@ -231,8 +234,7 @@ impl Bands<'_> {
         ring.paths.iter_mut().for_each(|path| path.shift(turn));
         moved.append(&mut ring.paths);
         ring.paths = moved;
-        let mut by = DVec2::ZERO;
-        by[axis] = ((value - ring.paths[0].start[axis]) / period).round() * period;
+        let by = turn * ((value - ring.paths[0].start[axis]) / turn[axis]).round();
         ring.shift(by);
         ring.paths[0].start[axis] = value;
     }
@@ -303,28 +305,14 @@ impl Diagonal<'_> {
             other.shift(self.step(1.0));
             rings.push(other);
         }
+        // The seam runs along v from one ring to the next one.
+        let straight = Bands { chart: self.chart, axis: 0 };
         let mut closed = Vec::new();
         let mut rings = rings.into_iter();
         while let (Some(ring), Some(other)) = (rings.next(), rings.next()) {
-            closed.push(self.pair(ring, other));
+            closed.push(straight.pair(ring, other));
         }
         let corner = bounds(&closed)[0];
         Ok(Closed { rings: closed, corner, cut: true })
-    }
-
-    /// Two rings as one, joined by the same way there and back.
-    fn pair<'a>(&self, ring: Ring<'a>, mut other: Ring<'a>) -> Ring<'a> {
-        if other.winding == ring.winding {
-            other = reversed(other);
-        }
-        let bridged = ring.bridged.max(other.bridged);
-        let turn = ring.turn(self.chart);
-        let mut paths = ring.paths;
-        let (start, to) = (paths[0].start, other.paths[0].start);
-        let corner = DVec2::new(to.x, start.y + turn.y);
-        paths.extend([Path::bridge(start + turn, corner), Path::bridge(corner, to)]);
-        paths.append(&mut other.paths);
-        paths.extend([Path::bridge(to - turn, corner - turn), Path::bridge(corner - turn, start)]);
-        Ring { paths, winding: [0, 0], bridged }
     }
 }

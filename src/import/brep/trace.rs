@@ -92,8 +92,11 @@ impl<'a> Path<'a> {
             Shape::Exact(curve) => curve.points().iter().for_each(|p| add(p.truncate().truncate() / p.w)),
             Shape::Traced(samples) => {
                 for w in samples.windows(3) {
-                    // Between samples a curve leaves its chord by about an eighth of the second difference.
-                    let bulge = (w[0].1 - 2.0 * w[1].1 + w[2].1).abs() * 0.25;
+                    // Between samples a curve leaves its chord by an eighth of the second derivative times the step
+                    // squared; twice that for safety.
+                    let [h, k] = [w[1].0 - w[0].0, w[2].0 - w[1].0];
+                    let bend = ((w[2].1 - w[1].1) / k - (w[1].1 - w[0].1) / h) * 2.0 / (h + k);
+                    let bulge = bend.abs() * (0.25 * h.abs().max(k.abs()).powi(2));
                     w.iter().for_each(|s| [s.1 - bulge, s.1 + bulge].into_iter().for_each(&mut add));
                 }
             }
