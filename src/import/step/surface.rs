@@ -193,10 +193,7 @@ impl Shapes<'_, '_> {
         let v = [args.number()?, args.number()?].map(|t| t * basis.scale[1]);
         let senses = [args.flag()?, args.flag()?];
         let (periods, limits) = (basis.form.periods(self.units.tolerance), basis.form.limits());
-        basis.domain = Some([
-            within(u, senses[0], periods[0], limits[0]),
-            within(v, senses[1], periods[1], limits[1]),
-        ]);
+        basis.domain = Some([within(u, senses[0], periods[0], limits[0]), within(v, senses[1], periods[1], limits[1])]);
         if basis.domain.is_some_and(|d| d.iter().any(|[a, b]| a >= b)) {
             return bad(id, "trimmed to nothing");
         }
