@@ -80,7 +80,6 @@ fn wrong_usage_is_one_line_and_status_2() {
         &["paint"],
         &["info"],
         &["info", "--nonsense", "x"],
-        &["info", "a", "b"],
         &["render", "builtin:teapot"],
         &["render", "builtin:teapot", "-o", "picture.jpg"],
         &["render", "builtin:teapot", "-o", "picture"],

@@ -1,35 +1,15 @@
-//! Arguments that commands share: the model, and everything that decides a frame.
+//! Arguments that commands share: everything that decides a frame.
 
-use super::{UsageError, output};
-use crate::import::{self, ImportError};
-use crate::model::Model;
-use crate::scene::{Camera, MAX_SIDE, Scene, View, ViewSpec, prepare};
+use super::UsageError;
+use super::source::ModelArgs;
+use crate::scene::{Camera, MAX_SIDE, Scene, View, ViewSpec};
 use crate::stages::{Bound, Cull, Fill, Grid, Options, Show, Trim};
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use clap::ValueEnum;
-use glam::{DAffine3, DMat3, DVec3};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use glam::DVec3;
 
 /// More pixels than this need a renderer that works in tiles.
 const MAX_PIXELS: u64 = 1 << 27;
-
-/// What is read, and how.
-#[derive(Clone, Debug, clap::Args)]
-pub struct ModelArgs {
-    /// File to read (its content decides the format), or builtin:NAME
-    #[arg(value_name = "MODEL")]
-    pub model: String,
-    /// The model's axis that points up; y turns the model so that it becomes z
-    #[arg(long, value_enum, default_value_t, value_name = "AXIS")]
-    pub up_axis: UpAxis,
-    /// Fail where something in the file could not be taken over
-    #[arg(long)]
-    pub strict: bool,
-    /// Threads to use [default: one a core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024),
-          allow_hyphen_values = true)]
-    pub threads: Option<u16>,
-}
 
 /// What a frame shows and how it is made: for `render`, `verify`, `compare` and `bench`.
 #[derive(Clone, Debug, clap::Args)]
@@ -93,59 +73,10 @@ pub struct FrameArgs {
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
-pub enum UpAxis {
-    Y,
-    #[default]
-    Z,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum ProjectionKind {
     #[default]
     Perspective,
     Orthographic,
-}
-
-impl ModelArgs {
-    /// Reads the model and turns it upright. What could not be taken over is counted on standard error, or with
-    /// `--strict` an error.
-    pub fn load(&self) -> Result<Model> {
-        let model = self.load_silently()?;
-        if let Some(line) = warnings_line(&model) {
-            output::warning_line(&format!("{}: {line}; `halfpixel info` lists them", self.model));
-        }
-        Ok(model)
-    }
-
-    /// As `load`, for a caller that shows the warnings itself.
-    pub fn load_silently(&self) -> Result<Model> {
-        let mut model = load_model(&self.model)?;
-        if let Some(line) = warnings_line(&model).filter(|_| self.strict) {
-            bail!("{}: {line}: leave out --strict to go on without that", self.model);
-        }
-        if self.up_axis == UpAxis::Y {
-            // A quarter turn about x takes +y to +z.
-            let upright = DAffine3::from_mat3(DMat3::from_cols(DVec3::X, DVec3::Z, -DVec3::Y));
-            for instance in &mut model.instances {
-                instance.transform = upright * instance.transform;
-            }
-        }
-        Ok(model)
-    }
-
-    /// Reads and prepares the model, with a progress bar on a terminal.
-    pub fn load_scene(&self) -> Result<(Model, Scene)> {
-        let model = self.load()?;
-        let scene = prepare_model(&model).with_context(|| self.model.clone())?;
-        Ok((model, scene))
-    }
-
-    /// Runs `work` on `--threads` threads.
-    pub fn install<R: Send>(&self, work: impl FnOnce() -> Result<R> + Send) -> Result<R> {
-        let threads = self.threads.map_or(0, usize::from);
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.context("could not start the threads asked for: give a smaller --threads")?.install(work)
-    }
 }
 
 impl FrameArgs {
@@ -184,45 +115,6 @@ impl FrameArgs {
             return Err(UsageError("--eye and --target are the same point: move one of them".into()).into());
         }
         Ok(self.view_spec().camera(&scene.bounds)?)
-    }
-}
-
-/// Reads a model from a file or by the name of a built-in one.
-pub fn load_model(source: &str) -> Result<Model> {
-    import::load(source).map_err(|error| match error {
-        ImportError::Builtin(unknown) => UsageError(unknown.to_string()).into(),
-        error => error.into(),
-    })
-}
-
-/// Prepares a model; on a terminal, standard error shows how far it is.
-pub fn prepare_model(model: &Model) -> Result<Scene> {
-    let bar = progress_bar("preparing");
-    let scene = prepare(model, &|done, all| {
-        bar.set_length(all as u64);
-        bar.set_position(done as u64);
-    });
-    bar.finish_and_clear();
-    Ok(scene?)
-}
-
-/// A progress bar on a terminal's standard error, nothing in a pipe.
-pub fn progress_bar(what: &'static str) -> ProgressBar {
-    // indicatif hides the bar by itself where standard error is not a terminal.
-    let bar = ProgressBar::with_draw_target(Some(0), ProgressDrawTarget::stderr_with_hz(10));
-    if let Ok(style) = ProgressStyle::with_template("{msg} [{bar:30}] {pos}/{len}") {
-        bar.set_style(style);
-    }
-    bar.set_message(what);
-    bar
-}
-
-/// How many warnings a model has, and the first of them.
-fn warnings_line(model: &Model) -> Option<String> {
-    let first = &model.warnings.first()?.message;
-    match model.warnings.len() {
-        1 => Some(format!("1 warning: {first}")),
-        count => Some(format!("{count} warnings, the first: {first}")),
     }
 }
 

@@ -1,7 +1,8 @@
 //! `halfpixel compare`: the same model with different bounds, tolerances, grids and views, side by side.
 
-use super::args::{FrameArgs, ProjectionKind, progress_bar};
+use super::args::{FrameArgs, ProjectionKind};
 use super::measure::{Effort, Subject};
+use super::source::progress_bar;
 use super::sweep::{Sweep, SweepArgs, Usual};
 use super::{output, results};
 use crate::report::{self, Machine, Point, Row};
@@ -44,8 +45,8 @@ const USUAL: Usual = Usual {
 pub fn run(args: Args) -> Result<ExitCode> {
     let sweep = args.sweep.resolve(&args.frame, &USUAL)?;
     args.frame.model.install(|| {
-        let (_, scene) = args.frame.model.load_scene()?;
-        let mut subject = Subject::new(&args.frame.model.model, &scene, args.effort);
+        let (loaded, scene) = args.frame.model.load_scene()?;
+        let mut subject = Subject::new(&loaded.name, &scene, args.effort);
         let rows = measure(&mut subject, &sweep)?;
         if let Some(prefix) = &args.output {
             write(prefix, &rows)?;

@@ -14,6 +14,7 @@ pub mod measure;
 pub mod output;
 pub mod render;
 pub mod results;
+pub mod source;
 pub mod sweep;
 pub mod used;
 pub mod verify;

@@ -1,8 +1,9 @@
 //! `halfpixel render`: draws a model into an image file.
 
-use super::args::{FrameArgs, prepare_model};
+use super::args::FrameArgs;
 use super::image::{self, ImageFormat};
 use super::output;
+use super::source::{Loaded, prepare_model};
 use super::used::Used;
 use crate::stages::{Options, Renderer, StageTime, Stats};
 use anyhow::{Context, Result};
@@ -29,7 +30,8 @@ pub struct Args {
 /// The JSON object, on standard output and in `--stats`.
 #[derive(Serialize)]
 struct Report<'a> {
-    model: &'a str,
+    #[serde(flatten)]
+    source: Loaded,
     output: &'a Path,
     size: [u32; 2],
     #[serde(flatten)]
@@ -37,7 +39,8 @@ struct Report<'a> {
     options: Options,
     #[serde(flatten)]
     stats: Stats,
-    /// How many things in the file could not be taken over.
+    /// Faces that could not be converted, and what was mended or approximated: how many.
+    lost_faces: usize,
     warnings: usize,
     /// From reading the model to the written image.
     seconds: f64,
@@ -59,27 +62,32 @@ pub fn run(args: Args) -> Result<ExitCode> {
 }
 
 fn draw(args: &Args, format: ImageFormat) -> Result<Report<'_>> {
-    let name = &args.frame.model.model;
     let start = Instant::now();
-    let model = args.frame.model.load()?;
+    let mut source = args.frame.model.load()?;
     let imported = start.elapsed();
+    let name = source.name.clone();
+    // The scene holds all that is drawn: a model of millions of faces must not stay beside it.
+    let model = std::mem::take(&mut source.model);
     let scene = prepare_model(&model).with_context(|| name.clone())?;
+    let (lost_faces, warnings) = (model.lost.len(), model.warnings.len());
+    drop(model);
     let prepared = start.elapsed();
     let (camera, options) = (args.frame.camera(&scene)?, args.frame.options());
-    let frame = Renderer::new(&scene).render(&camera, &options).with_context(|| name.clone())?;
+    let frame = Renderer::new(&scene).render(&camera, &options).with_context(|| name)?;
     image::write_frame(&args.output, format, &scene, &frame)?;
     let ms = |d: std::time::Duration| d.as_secs_f64() * 1e3;
     let mut stats = frame.stats.clone();
     let before = [("import", imported), ("prepare", prepared - imported)];
     stats.stages.splice(0..0, before.map(|(stage, time)| StageTime { stage, ms: ms(time) }));
     Ok(Report {
-        model: name,
+        source,
         output: &args.output,
         size: camera.size,
         used: Used::new(&options),
         options,
         stats,
-        warnings: model.warnings.len(),
+        lost_faces,
+        warnings,
         seconds: start.elapsed().as_secs_f64(),
     })
 }

@@ -1,7 +1,8 @@
 //! `halfpixel verify`: measures a frame against the exact surface.
 
-use super::args::{FrameArgs, prepare_model, progress_bar};
+use super::args::FrameArgs;
 use super::output;
+use super::source::{Loaded, prepare_model, progress_bar};
 use super::used::Used;
 use crate::stages::{Interpolation, Renderer, Stats};
 use crate::verify::{ErrorStats, Report, Sampling, verify};
@@ -33,8 +34,9 @@ pub struct Args {
 
 /// The JSON object.
 #[derive(Serialize)]
-struct Verification<'a> {
-    model: &'a str,
+struct Verification {
+    #[serde(flatten)]
+    source: Loaded,
     size: [u32; 2],
     #[serde(flatten)]
     used: Used,
@@ -64,12 +66,14 @@ pub fn run(args: Args) -> Result<ExitCode> {
     Ok(if verification.report.passed() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-fn check(args: &Args) -> Result<Verification<'_>> {
-    let name = &args.frame.model.model;
-    let model = args.frame.model.load()?;
+fn check(args: &Args) -> Result<Verification> {
+    let mut source = args.frame.model.load()?;
+    let name = source.name.clone();
+    let model = std::mem::take(&mut source.model);
     let scene = prepare_model(&model).with_context(|| name.clone())?;
+    drop(model);
     let (camera, options) = (args.frame.camera(&scene)?, args.frame.options());
-    let frame = Renderer::new(&scene).render(&camera, &options).with_context(|| name.clone())?;
+    let frame = Renderer::new(&scene).render(&camera, &options).with_context(|| name)?;
     let bar = progress_bar("checking");
     let sampling = Sampling { samples: args.samples, seed: args.seed };
     let report = verify(&scene, &camera, &options, &|x, y| frame.pixel(x, y), &sampling, &|done, all| {
@@ -79,7 +83,7 @@ fn check(args: &Args) -> Result<Verification<'_>> {
     bar.finish_and_clear();
     let Stats { patches_visible, quads, triangles, .. } = frame.stats;
     Ok(Verification {
-        model: name,
+        source,
         size: camera.size,
         used: Used::new(&options),
         interpolation: options.bound.interpolation(),
@@ -103,7 +107,7 @@ fn table(v: &Verification, image: Option<&Path>) -> String {
     };
     let [width, height] = v.size;
     let mut rows = vec![
-        ("model", v.model.to_owned()),
+        ("model", v.source.name.clone()),
         ("checked", format!("{} of {width}x{height} pixels, {} drawn, in {:.2} s", r.pixels, r.drawn, r.seconds)),
         ("tessellation", format!("{} patches visible, {} quads", v.patches_visible, v.quads)),
         ("grid error", stats(&r.grid_error_px)),

@@ -12,8 +12,15 @@ pub struct Estimate {
     pub error: f64,
 }
 
+impl Estimate {
+    /// The error as a fraction of the value; 0 where that is 0.
+    pub fn relative_error(&self) -> f64 {
+        if self.value == 0.0 { 0.0 } else { self.error / self.value }
+    }
+}
+
 /// Nodes and weights of five-point Gauss-Legendre quadrature on [0, 1]; exact for polynomials up to degree 9.
-const GAUSS: [(f64, f64); 5] = [
+pub(super) const GAUSS: [(f64, f64); 5] = [
     (0.046910077030668004, 0.11846344252809454),
     (0.23076534494715845, 0.23931433524968324),
     (0.5, 0.28444444444444444),

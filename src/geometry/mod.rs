@@ -14,6 +14,7 @@ mod knots;
 mod net;
 mod surface;
 mod triangle;
+mod trimmed_area;
 
 pub use area::{Estimate, patch_area, rough_patch_area};
 pub use curve::{BezierCurve, CurvePiece, NurbsCurve};
@@ -23,3 +24,4 @@ pub use knots::Knots;
 pub use net::{BezierPatch, Jet, MAX_DEGREE, Net, SurfacePoint};
 pub use surface::{NurbsSurface, PatchPiece};
 pub use triangle::triangle_to_tensor;
+pub use trimmed_area::{Outline, Tile, trimmed_area};

@@ -51,7 +51,7 @@ pub fn builtin(name: &str) -> Result<Model, BuiltinError> {
 /// A part of one face per surface, numbered from 0.
 fn part(name: &str, solidity: Solidity, surfaces: Vec<Surface>) -> Part {
     let face = |(k, surface)| Face::new(k as u32, format!("{name} {k}"), surface);
-    Part { name: name.into(), faces: surfaces.into_iter().enumerate().map(face).collect(), solidity }
+    Part { name: name.into(), faces: surfaces.into_iter().enumerate().map(face).collect(), solidity, ..Part::default() }
 }
 
 fn closed(name: &str, faces: Vec<Vec<PatchPiece>>) -> Part {

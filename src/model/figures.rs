@@ -1,14 +1,8 @@
-//! A model in figures: how many faces and patches, of what degree, how large (ETER's table 2, and what else is asked).
+//! A model in figures: how many faces and patches, of what degree and kind (ETER's table 2, and what else is asked).
 
-use super::{Instance, Model, SurfacePatch};
-use crate::geometry::{Estimate, patch_area, rough_patch_area};
-use glam::DMat3;
-use rayon::prelude::*;
+use super::{Model, SurfaceKind, Warning, measure::Areas};
 use serde::{Serialize, Serializer};
-use std::collections::BTreeMap;
-
-/// The area settles to this fraction of the whole, spread over the patches.
-const AREA_TOLERANCE: f64 = 1e-7;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// What `info` says of a model; the names are those of its JSON.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -17,8 +11,12 @@ pub struct Figures {
     pub faces: usize,
     /// Faces that are stored.
     pub unique_faces: usize,
+    /// Faces that could not be converted.
+    pub lost_faces: usize,
     /// Surfaces that are stored.
     pub surfaces: usize,
+    /// Stored faces by what the file calls their surface.
+    pub surface_types: BTreeMap<&'static str, usize>,
     /// Rational Bézier patches that are stored.
     pub bezier_patches: usize,
     /// Patches of each degree; in JSON by "UxV".
@@ -26,8 +24,15 @@ pub struct Figures {
     pub degrees: BTreeMap<[usize; 2], usize>,
     /// Patches whose weights differ.
     pub rational: usize,
-    /// Trim loops.
+    /// Faces that have trim loops.
     pub trims: usize,
+    pub loops: usize,
+    /// Rational Bézier curves of all loops.
+    pub trim_curves: usize,
+    /// Edges of parts that trim curves stand for, each counted once.
+    pub edges: usize,
+    /// Largest distance between a trim curve and its edge, in units.
+    pub largest_gap: f64,
     /// Of all faces that are drawn, in squared units.
     pub area: f64,
     /// What the area may still be off by, as a fraction of it; an estimate.
@@ -36,8 +41,28 @@ pub struct Figures {
     pub bounds: Option<[[f64; 3]; 2]>,
     /// The file's unit of length, where it names one.
     pub unit: Option<String>,
+    pub parts: usize,
     pub instances: usize,
-    /// What could not be taken over, one line each.
+    /// What was mended, approximated or left out, one line each.
+    pub warnings: Vec<String>,
+    /// The faces that could not be converted.
+    pub lost: Vec<Warning>,
+}
+
+/// One stored face; the names are those of the JSON.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FaceFigures {
+    /// The file's own number, or a running one.
+    pub entity: u32,
+    pub name: String,
+    pub part: String,
+    pub surface: &'static str,
+    pub bezier_patches: usize,
+    pub loops: usize,
+    /// In the part's own squared units.
+    pub area: f64,
+    /// What the area may still be off by, as a fraction of it; an estimate.
+    pub area_relative_error: f64,
     pub warnings: Vec<String>,
 }
 
@@ -46,81 +71,90 @@ fn by_name<S: Serializer>(degrees: &BTreeMap<[usize; 2], usize>, to: S) -> Resul
 }
 
 impl Model {
-    /// Counts and measures; `progress` is told how many patches are measured, from any thread.
-    pub fn figures(&self, progress: &(dyn Fn(usize, usize) + Sync)) -> Figures {
+    /// Counts; `areas` come from [`Model::measure`].
+    pub fn figures(&self, areas: &Areas) -> Figures {
         let faces = || self.parts.iter().flat_map(|p| &p.faces);
         let patches = || faces().flat_map(|f| &f.surface.patches);
+        let curves = || faces().flat_map(|f| &f.loops).flat_map(|l| &l.curves);
         let mut degrees = BTreeMap::new();
         for patch in patches() {
-            let [u, v] = patch.patch.degree();
-            *degrees.entry([u, v]).or_insert(0) += 1;
+            *degrees.entry(patch.patch.degree()).or_insert(0) += 1;
         }
-        let area = self.area(progress);
+        let mut surface_types = BTreeMap::new();
+        for face in faces() {
+            *surface_types.entry(face.kind.name()).or_insert(0) += 1;
+        }
         Figures {
             faces: self.instances.iter().map(|i| self.parts[i.part].faces.len()).sum(),
             unique_faces: faces().count(),
+            lost_faces: self.lost.len(),
             surfaces: faces().count(),
+            surface_types,
             bezier_patches: patches().count(),
             degrees,
             rational: patches().filter(|p| p.patch.net().is_rational()).count(),
-            trims: 0,
-            area: area.value,
-            area_relative_error: if area.value == 0.0 { 0.0 } else { area.error / area.value },
+            trims: faces().filter(|f| !f.loops.is_empty()).count(),
+            loops: faces().map(|f| f.loops.len()).sum(),
+            trim_curves: curves().count(),
+            edges: self.edges(),
+            largest_gap: curves().map(|c| c.gap).fold(0.0, f64::max),
+            area: areas.total.value,
+            area_relative_error: areas.total.relative_error(),
             bounds: self.bounds().map(|b| b.map(Into::into)),
             unit: self.unit.clone(),
+            parts: self.parts.len(),
             instances: self.instances.len(),
             warnings: self.warnings.iter().map(|w| w.message.clone()).collect(),
+            lost: self.lost.clone(),
         }
     }
 
-    /// Area of all faces that are drawn.
-    fn area(&self, progress: &(dyn Fn(usize, usize) + Sync)) -> Estimate {
-        // Turned and uniformly scaled copies need no quadrature of their own.
-        let mut shapes: Vec<Shape> = Vec::new();
-        for instance in &self.instances {
-            let (map, factor) = shape_and_factor(instance);
-            match shapes.iter_mut().find(|s| s.part == instance.part && s.map == map) {
-                Some(shape) => shape.factor += factor,
-                None => shapes.push(Shape { part: instance.part, map, factor }),
-            }
+    /// Every stored face, in the order of the parts.
+    pub fn list_faces(&self, areas: &Areas) -> Vec<FaceFigures> {
+        let mut warnings = HashMap::<u32, Vec<String>>::new();
+        for Warning { entity, message } in &self.warnings {
+            entity.map(|entity| warnings.entry(entity).or_default().push(message.clone()));
         }
-        let jobs: Vec<_> = shapes.iter().flat_map(|s| self.patches_of(s.part).map(move |p| (s, p))).collect();
-        let rough: Vec<f64> = jobs.par_iter().map(|(s, p)| s.factor * rough_patch_area(p.patch.net(), s.map)).collect();
-        let tolerance = AREA_TOLERANCE * rough.iter().sum::<f64>() / jobs.len().max(1) as f64;
-        let done = std::sync::atomic::AtomicUsize::new(0);
-        let measure = |(shape, patch): &(&Shape, &SurfacePatch)| {
-            let area = patch_area(patch.patch.net(), shape.map, tolerance / shape.factor);
-            let count = 1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-            if count.is_multiple_of(256) {
-                progress(count, jobs.len());
-            }
-            Estimate { value: shape.factor * area.value, error: shape.factor * area.error }
+        let faces = self.parts.iter().flat_map(|part| part.faces.iter().map(move |face| (part, face)));
+        faces
+            .zip(&areas.faces)
+            .map(|((part, face), area)| FaceFigures {
+                entity: face.id,
+                name: face.name.to_string(),
+                part: part.name.clone(),
+                surface: face.kind.name(),
+                bezier_patches: face.surface.patches.len(),
+                loops: face.loops.len(),
+                area: area.value,
+                area_relative_error: area.relative_error(),
+                warnings: warnings.get(&face.id).cloned().unwrap_or_default(),
+            })
+            .collect()
+    }
+
+    fn edges(&self) -> usize {
+        let of_part = |part: &super::Part| {
+            let curves = part.faces.iter().flat_map(|f| &f.loops).flat_map(|l| &l.curves);
+            curves.filter_map(|c| c.edge).collect::<HashSet<_>>().len()
         };
-        // Collected first: the sum does not depend on the threads.
-        let areas: Vec<Estimate> = jobs.par_iter().map(measure).collect();
-        areas.iter().fold(Estimate::default(), |a, b| Estimate { value: a.value + b.value, error: a.error + b.error })
-    }
-
-    fn patches_of(&self, part: usize) -> impl Iterator<Item = &SurfacePatch> {
-        self.parts[part].faces.iter().flat_map(|f| &f.surface.patches)
+        self.parts.iter().map(of_part).sum()
     }
 }
 
-/// A part under a linear map, with how often its area counts.
-struct Shape {
-    part: usize,
-    map: DMat3,
-    factor: f64,
-}
-
-/// The linear map to integrate under and the factor on the area: for a similarity the identity and its scale squared.
-fn shape_and_factor(instance: &Instance) -> (DMat3, f64) {
-    let map: DMat3 = instance.transform.matrix3;
-    let gram = map.transpose() * map;
-    let scale = gram.x_axis.x;
-    if scale > 0.0 && gram.abs_diff_eq(DMat3::from_diagonal(glam::DVec3::splat(scale)), 1e-12 * scale) {
-        (DMat3::IDENTITY, scale)
-    } else {
-        (map, 1.0)
+impl SurfaceKind {
+    /// As tables and JSON call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Plane => "plane",
+            Self::Cylinder => "cylinder",
+            Self::Cone => "cone",
+            Self::Sphere => "sphere",
+            Self::Torus => "torus",
+            Self::Extrusion => "extrusion",
+            Self::Revolution => "revolution",
+            Self::Offset => "offset",
+            Self::BSpline => "b-spline",
+            Self::Bezier => "bezier",
+        }
     }
 }

@@ -1,11 +1,16 @@
 //! What a file means: surfaces, faces, parts and where they stand. No pixels.
 
 mod figures;
+mod library;
+mod measure;
 
-pub use figures::Figures;
+pub use figures::{FaceFigures, Figures};
+pub use library::{Layout, PartError};
+pub use measure::Areas;
 
 use crate::geometry::{BezierCurve, BezierPatch, PatchPiece};
 use glam::{DAffine3, DVec3};
+use serde::Serialize;
 
 /// Everything that was read from one file (or built in).
 #[derive(Clone, Debug, Default)]
@@ -24,6 +29,8 @@ pub struct Model {
 /// Faces that move together; drawn once per instance, never copied.
 #[derive(Clone, Debug, Default)]
 pub struct Part {
+    /// The file's own number of the product or solid, 0 where it has none.
+    pub id: u32,
     pub name: String,
     pub faces: Vec<Face>,
     pub solidity: Solidity,
@@ -117,7 +124,7 @@ pub struct Instance {
 }
 
 /// Something that was left out or mended while reading.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Warning {
     /// Entity number or line, as the message says.
     pub entity: Option<u32>,

@@ -1,6 +1,5 @@
 //! Which part of a face's patches is the face: its trim loops, and how far its measured gaps let it reach beyond them.
 
-use super::RESOLUTION;
 use super::region::Region;
 use super::rim::{Passing, Rim, Sheet, SpaceRay};
 use crate::scene::{Camera, Scene, SceneInstance};

@@ -40,7 +40,7 @@ pub fn scene(name: &str) -> Scene {
 /// A scene of one open patch.
 pub fn single(patch: BezierPatch) -> Scene {
     let face = Face::new(0, "", Surface::single(patch));
-    let part = Part { name: String::new(), faces: vec![face], solidity: Solidity::Open };
+    let part = Part { faces: vec![face], solidity: Solidity::Open, ..Part::default() };
     prepare(&Model::from_part("patch", part), &|_, _| {}).expect("a scene")
 }
 

@@ -7,3 +7,4 @@ mod exact_forms;
 mod nurbs;
 mod oracle;
 mod support;
+mod trimmed_area;

@@ -33,8 +33,8 @@ pub fn run(args: &Args) -> Result<()> {
     args.suite.frame.model.install(|| {
         let mut rows = if args.resume { earlier(args)? } else { Vec::new() };
         for model in args.suite.models() {
-            let (_, scene) = model.load_scene()?;
-            let subject = Subject::new(&model.model, &scene, args.effort);
+            let (loaded, scene) = model.load_scene()?;
+            let subject = Subject::new(&loaded.name, &scene, args.effort);
             measure(args, subject, &mut rows)?;
         }
         findings(rows).publish(&args.suite.results)

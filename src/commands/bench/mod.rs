@@ -6,8 +6,9 @@ mod quads;
 mod speed;
 mod stability;
 
-use super::args::{FrameArgs, ModelArgs, progress_bar};
+use super::args::FrameArgs;
 use super::measure::Effort;
+use super::source::{ModelArgs, progress_bar};
 use super::sweep::SweepArgs;
 use super::{output, results};
 use crate::report::{self, Machine, Row, Table};
@@ -42,9 +43,6 @@ pub enum Suite {
 pub struct SuiteArgs {
     #[command(flatten)]
     pub frame: FrameArgs,
-    /// More models
-    #[arg(value_name = "MODEL")]
-    pub more: Vec<String>,
     #[command(flatten)]
     pub sweep: SweepArgs,
     #[command(flatten)]
@@ -85,9 +83,7 @@ pub fn run(args: Args) -> Result<ExitCode> {
 impl SuiteArgs {
     /// All models asked for, each with the other arguments.
     fn models(&self) -> impl Iterator<Item = ModelArgs> {
-        let first = &self.frame.model;
-        let more = self.more.iter().map(|model| ModelArgs { model: model.clone(), ..first.clone() });
-        std::iter::once(first.clone()).chain(more)
+        self.frame.model.each()
     }
 }
 

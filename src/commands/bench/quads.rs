@@ -23,8 +23,8 @@ pub fn run(args: &SuiteArgs) -> Result<()> {
     args.frame.model.install(|| {
         let mut rows = Vec::new();
         for model in args.models() {
-            let (_, scene) = model.load_scene()?;
-            let mut subject = Subject::new(&model.model, &scene, COUNT_ONLY);
+            let (loaded, scene) = model.load_scene()?;
+            let mut subject = Subject::new(&loaded.name, &scene, COUNT_ONLY);
             let sweep = args.sweep.resolve(&args.frame, &USUAL)?;
             // Of ETER's grids only those under ETER's bound are a reference.
             let options = || sweep.options.iter().filter(|o| o.grid == Grid::Variable || o.bound == Bound::Eter);

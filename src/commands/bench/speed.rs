@@ -26,10 +26,10 @@ const GEOMETRY: [&str; 4] = ["estimate", "evaluate", "rasterize", "fill"];
 pub fn run(args: &Args) -> Result<()> {
     args.frame.model.install(|| {
         let start = Instant::now();
-        let model = args.frame.model.load()?;
+        let loaded = args.frame.model.load()?;
         let load = start.elapsed();
         let start = Instant::now();
-        let scene = crate::commands::args::prepare_model(&model)?;
+        let scene = crate::commands::source::prepare_model(&loaded.model)?;
         let prepare = start.elapsed();
         let ours = args.frame.options();
         let eter = Options { bound: Bound::Eter, grid: Grid::Eter, ..ours };
@@ -38,7 +38,7 @@ pub fn run(args: &Args) -> Result<()> {
         let memory = peak_memory();
         let (a, b) = alternate(args, &scene, &ours, &eter)?;
         let effort = Effort { frames: args.frames, samples: 0, seed: 0 };
-        let subject = Subject::new(&args.frame.model.model, &scene, effort);
+        let subject = Subject::new(&loaded.name, &scene, effort);
         let row = |options, m: &Measured| {
             subject.labelled(&args.frame.view_spec(), options, Outcome::Measured(Box::new(m.clone())))
         };
@@ -99,7 +99,7 @@ fn about(frame: &FrameArgs) -> String {
         "{}, {}x{}, view {}, zoom {}. Times in milliseconds: median, least and largest. A floor is the longer of bytes \
          that must move at the measured copy bandwidth, and arithmetic at two 8-wide multiply-adds a cycle and core at \
          3 GHz; src/commands/bench/floor.rs says what is counted.",
-        frame.model.model,
+        frame.model.label(),
         frame.size[0],
         frame.size[1],
         name(frame.view),

@@ -108,8 +108,8 @@ type Drawn = (Row, Option<[u64; 2]>);
 fn draw(frame: &FrameArgs, args: &Args) -> Result<Drawn> {
     frame.model.install(|| {
         let effort = Effort { frames: 1, samples: args.samples, seed: args.seed };
-        let (_, scene) = frame.model.load_scene()?;
-        let mut subject = Subject::new(&frame.model.model, &scene, effort);
+        let (loaded, scene) = frame.model.load_scene()?;
+        let mut subject = Subject::new(&loaded.name, &scene, effort);
         let (view, options) = (frame.view_spec(), frame.options());
         let timed: Timed = match subject.time(&view, &options)? {
             Ok(timed) => timed,

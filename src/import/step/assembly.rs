@@ -26,6 +26,8 @@ pub(super) struct Representation {
 /// Representations in one frame.
 #[derive(Default)]
 pub(super) struct Node {
+    /// Of the product definition, 0 without one.
+    pub id: u32,
     pub name: String,
     pub groups: Vec<(Units, Contents)>,
     pub children: Vec<Child>,
@@ -181,6 +183,9 @@ impl<'f, 'a> Builder<'f, 'a> {
             nodes[node].groups.push((representation.units, contents));
             if let Some(name) = products.name(representation.id) {
                 nodes[node].name = name.to_owned();
+            }
+            if let Some(id) = products.number(representation.id) {
+                nodes[node].id = id;
             }
         }
         self.place_usages(&products, &mut nodes);

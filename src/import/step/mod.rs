@@ -136,7 +136,7 @@ fn build_parts(file: &File, assembly: &mut Assembly, model: &mut Model) -> Vec<V
                 jobs.extend(faces.iter().map(|face| Job { part, units: *units, face }));
             }
             if jobs.len() > before {
-                model.parts.push(Part { name: node.name.clone(), faces: Vec::new(), solidity });
+                model.parts.push(Part { id: node.id, name: node.name.clone(), faces: Vec::new(), solidity });
                 own.push(part);
             }
         }

@@ -18,8 +18,9 @@ pub(super) struct Usage {
 /// What the file says of products.
 #[derive(Default)]
 pub(super) struct Products {
-    /// By representation.
+    /// By representation: names, and the product definitions' numbers.
     names: HashMap<u32, String>,
+    numbers: HashMap<u32, u32>,
     /// Representations by product definition.
     shapes: HashMap<u32, u32>,
     usages: Vec<Usage>,
@@ -46,6 +47,7 @@ impl Products {
                 let Some((definition, shape)) = both else { continue };
                 let Some(product) = definition_of(file, definition) else { continue };
                 products.shapes.entry(product).or_insert(shape);
+                products.numbers.entry(shape).or_insert(product);
                 if let Some(name) = product_name(file, product) {
                     products.names.insert(shape, name);
                 }
@@ -66,6 +68,11 @@ impl Products {
     /// The name of the product whose shape this representation is.
     pub fn name(&self, representation: u32) -> Option<&str> {
         self.names.get(&representation).map(String::as_str)
+    }
+
+    /// The product definition whose shape this representation is.
+    pub fn number(&self, representation: u32) -> Option<u32> {
+        self.numbers.get(&representation).copied()
     }
 
     /// The representation of a product definition's shape.

@@ -13,12 +13,15 @@ use crate::model::SurfaceKind;
 use glam::DAffine3;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+/// Bounds in the surface's own parameters, where it has some.
+type Domain = Option<[[f64; 2]; 2]>;
+
 /// A surface as the file has it.
 pub(super) struct Basis {
     pub form: SurfaceForm,
     pub kind: SurfaceKind,
     /// Bounds in its parameters, where it has some.
-    pub domain: Option<[[f64; 2]; 2]>,
+    pub domain: Domain,
     /// The file's normal is the other one than `S_u x S_v`.
     pub flipped: bool,
     /// The entity itself, and those that it trims: what pcurves lie on.
@@ -109,7 +112,7 @@ impl Shapes<'_, '_> {
     }
 
     /// A degenerate one has the part of its tube that the file selects: the outer, apple, or the inner, lemon.
-    fn torus(&self, entity: &Entity, args: Args) -> Result<(SurfaceForm, Option<[[f64; 2]; 2]>), StepError> {
+    fn torus(&self, entity: &Entity, args: Args) -> Result<(SurfaceForm, Domain), StepError> {
         let (frame, mut args) = self.placed(args)?;
         let major = args.number()? * self.units.length;
         let minor = self.radius(entity.id, &mut args)?;

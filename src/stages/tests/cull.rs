@@ -30,7 +30,7 @@ fn patch(random: &mut Random) -> Scene {
     });
     let surface = Surface::single(BezierPatch::new("random", degree, points.collect()).expect("a good patch"));
     let face = Face::new(0, "", surface);
-    let part = Part { name: String::new(), faces: vec![face], solidity: Solidity::Open };
+    let part = Part { faces: vec![face], solidity: Solidity::Open, ..Part::default() };
     prepare(&Model::from_part("random", part), &|_, _| {}).expect("a scene")
 }
 
