@@ -5,17 +5,18 @@
 //! ```text
 //! file --import--> Model --prepare--> Scene --[ per view ]--> Frame --> PNG / EXR
 //!                                               |
-//!   cull -> estimate -> evaluate -> rasterize -> fill -> shade
+//!   cull -> estimate -> evaluate -> rasterize -> trim -> fill -> shade
 //! ```
 //!
 //! | step | what it does | where |
 //! |---|---|---|
 //! | import | a file to a [`model::Model`]: surfaces, faces, parts, instances | [`import`] |
-//! | prepare | rational Bézier patches about local origins, enclosures of their second derivatives, normal cones | [`scene::prepare`] |
+//! | prepare | rational Bézier patches about local origins, enclosures of their second derivatives, normal cones, trim trees | [`scene::prepare`], `scene/trim_tree.rs` |
 //! | cull | the patches that can be seen, split until f32 about their own screen position can be trusted | `stages/cull.rs` |
 //! | estimate | a grid for each piece, from the bound asked for | `stages/estimate.rs`, `bounds.rs`, `slefe.rs` |
 //! | evaluate | the grids' vertices, snapped to 1/256 pixel, in meshlets of at most 7 x 7 quads | `stages/evaluate.rs` |
 //! | rasterize | triangles into buffer N; strokes along borders and folds into buffer S | `stages/rasterize.rs`, `stroke.rs` |
+//! | trim | fragments near a trim curve, tested on the exact surface under their pixel's centre | `stages/trim.rs` |
 //! | fill | where S is nearer than N, a pixel may be a crack | `stages/fill.rs` |
 //! | shade | Newton steps to the exact surface under each pixel centre; what S proposed is decided there | `stages/shade.rs`, `newton.rs`, `settle.rs` |
 //!

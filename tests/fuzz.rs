@@ -1,5 +1,7 @@
 //! Damaged files: whatever the bytes, a model or an error, never a panic, and memory in proportion to the file.
 
+#[path = "step/compose.rs"]
+mod compose;
 mod support;
 
 use halfpixel::import::{ImportError, read};
@@ -9,6 +11,8 @@ use support::{bpt_text, bv_text};
 
 /// Enough to be thousands of cases and a few seconds.
 const CASES: usize = 6000;
+/// STEP files are longer and mean more.
+const STEP_CASES: usize = 1000;
 
 /// SplitMix64 (Steele, Lea & Flood, Fast splittable pseudorandom number generators, 2014): every run tries the same
 /// cases.
@@ -47,6 +51,26 @@ fn check(bytes: &[u8], what: &str) {
         Err(error) => {
             let message = error.to_string();
             assert!(message.starts_with("fuzz: ") && message.len() < 500, "{what}: {message:?}");
+            assert!(!message.contains(['\n', '\r']), "{what}: more than one line: {message:?}");
+        }
+    }
+}
+
+/// The same for STEP, where a formula of a few bytes makes many points.
+fn check_step(bytes: &[u8], what: &str) {
+    match parse(bytes) {
+        Ok(model) => {
+            let faces = model.parts.iter().flat_map(|p| &p.faces);
+            let points: Vec<_> = faces.flat_map(|f| &f.surface.patches).flat_map(|p| p.patch.points()).collect();
+            assert!(points.iter().all(|p| p.is_finite() && p.w > 0.0), "{what}: a point that is no point");
+            assert!(points.len() <= 64 * bytes.len(), "{what}: {} points from {} bytes", points.len(), bytes.len());
+            assert!(model.warnings.len() + model.lost.len() <= bytes.len(), "{what}: more warnings than bytes");
+            let instances = model.instances.iter();
+            assert!(instances.clone().all(|i| i.transform.is_finite() && i.part < model.parts.len()), "{what}");
+        }
+        Err(error) => {
+            let message = error.to_string();
+            assert!(message.starts_with("fuzz: ") && message.len() < 600, "{what}: {message:?}");
             assert!(!message.contains(['\n', '\r']), "{what}: more than one line: {message:?}");
         }
     }
@@ -139,6 +163,41 @@ fn damaged_bpt() {
 fn damaged_bezierview() {
     fuzz(3, &bv_text());
     fuzz(4, &bv_text().replace('\n', "\r\n"));
+}
+
+#[test]
+fn damaged_step() {
+    let text = compose::mixture().file();
+    let mut random = Random(6);
+    for case in 0..STEP_CASES {
+        let mut bytes = text.clone().into_bytes();
+        for _ in 0..=random.below(8) {
+            if random.below(2) == 0 { mutate(&mut random, &mut bytes) } else { replace_token(&mut random, &mut bytes) }
+        }
+        let start = std::time::Instant::now();
+        std::fs::write("/tmp/fuzz_case.stp", &bytes).unwrap();
+        check_step(&bytes, &format!("case {case}"));
+        if start.elapsed().as_secs_f64() > 0.2 {
+            println!("case {case} {:?}", start.elapsed());
+            std::fs::copy("/tmp/fuzz_case.stp", format!("/tmp/fuzz_slow_{case}.stp")).unwrap();
+        }
+    }
+}
+
+/// Puts another reference or number where one stands: most of a STEP file is these.
+fn replace_token(random: &mut Random, bytes: &mut Vec<u8>) {
+    const NUMBERS: [&str; 12] =
+        ["0.", "-1.", "1.E30", "1.E-30", "1.E300", "90.", "1.5", "$", "*", "()", "-0.", "123456789"];
+    let at = random.below(bytes.len());
+    let part = |b: &u8| b.is_ascii_digit() || matches!(b, b'.' | b'-' | b'#');
+    let Some(start) = bytes[at..].iter().position(part).map(|k| at + k) else { return };
+    let length = bytes[start..].iter().take_while(|b| part(b)).count();
+    let put = if bytes[start] == b'#' {
+        format!("#{}", 10 + random.below(400))
+    } else {
+        NUMBERS[random.below(NUMBERS.len())].to_owned()
+    };
+    bytes.splice(start..start + length, put.bytes());
 }
 
 #[test]

@@ -107,10 +107,8 @@ impl Model {
         self.instances.retain(|i| wanted(&parts[i.part], &i.name));
         let mut numbers = vec![None; self.parts.len()];
         self.instances.iter().for_each(|i| numbers[i.part] = Some(0));
-        let mut next = 0;
-        for number in numbers.iter_mut().flatten() {
+        for (next, number) in numbers.iter_mut().flatten().enumerate() {
             *number = next;
-            next += 1;
         }
         self.instances.iter_mut().for_each(|i| i.part = numbers[i.part].unwrap_or_default());
         let mut kept = numbers.iter();

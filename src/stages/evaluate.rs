@@ -4,7 +4,7 @@ use super::basis::BasisTables;
 use super::cull::Leaf;
 use super::estimate::{MESHLET, Tessellation};
 use super::lens::Lens;
-use super::trim::{self, Cut};
+use super::trim_cut::{self, Cut};
 use super::{Interpolation, Options, TrimCounts};
 use crate::scene::{Region, Scene};
 use glam::Vec4;
@@ -162,7 +162,7 @@ impl Evaluator<'_> {
                     rows: self.rows(&out.vertices[start..]),
                 };
                 if let Some(cut) = &cut {
-                    match trim::region(cut, options.tolerance, grid.quads, &meshlet, &out.vertices[start..]) {
+                    match trim_cut::region(cut, options.tolerance, grid.quads, &meshlet, &out.vertices[start..]) {
                         Region::Inside => out.trim.meshlets_inside += 1,
                         Region::Boundary => meshlet.tested = true,
                         Region::Outside => {

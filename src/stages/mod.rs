@@ -21,6 +21,7 @@ mod stats;
 mod stroke;
 mod topology;
 mod trim;
+mod trim_cut;
 mod trim_texture;
 
 #[cfg(test)]

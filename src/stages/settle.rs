@@ -11,7 +11,7 @@ use super::interpolate::{corner_parameters, interpolate};
 use super::newton::{Batch, LANES};
 use super::shade::Shader;
 use super::topology::{depth_of, triangle_index, triangles, word};
-use super::trim::{self, Cut, keeps};
+use super::trim_cut::{self, Cut, keeps};
 use rayon::prelude::*;
 
 /// Pixels between a pixel centre and a projected surface point that count as none.
@@ -82,7 +82,7 @@ fn search(shader: &Shader, number: u32, f: &Filled, behind: f32) -> Option<Hit> 
     let leaf = &shader.leaves[number as usize];
     let cut = Cut::new(shader.scene, shader.lens, shader.options, leaf);
     // Where the patch ends within the model's gap, its border stands in for what lies in it.
-    let [border, gap] = trim::gaps(shader.scene, shader.lens, leaf);
+    let [border, gap] = trim_cut::gaps(shader.scene, shader.lens, leaf);
     let exact = (EXACT + border as f32).min(HALF_PIXEL);
     let quads = shader.grids[number as usize].quads;
     let [x, y] = shader.target(leaf, pixel);
@@ -184,7 +184,7 @@ impl Strips {
         let half = shader.lens.half(1);
         for (k, leaf) in shader.leaves.iter().enumerate() {
             // A pixel to spare: boxes are rounded to f32.
-            let spare = 1.0 + trim::gaps(shader.scene, shader.lens, leaf)[1];
+            let spare = 1.0 + trim_cut::gaps(shader.scene, shader.lens, leaf)[1];
             let entry = Entry {
                 leaf: k as u32,
                 low: [0, 1].map(|k| (leaf.low[k] - spare) as f32),

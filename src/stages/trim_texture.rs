@@ -5,7 +5,7 @@
 //! passes it: Guthe's line strip against cracks. Fragments look it up at their interpolated parameters.
 
 use super::cull::Leaf;
-use super::trim::Cut;
+use super::trim_cut::Cut;
 use glam::Vec4;
 
 /// Texels a side at most: what would need more is coarser than the tolerance.
@@ -23,7 +23,7 @@ impl Texture {
     pub fn new(cut: &Cut, leaf: &Leaf, net: &[Vec4], perspective: bool, tolerance: f64) -> Self {
         let size = sizes(leaf, net, perspective, tolerance);
         let mut texture = Self { size, bits: vec![0; (size[0] * size[1]).div_ceil(64)] };
-        let texel = |u: f64| (cut.from_plane([u, 0.0])[0] * size[0] as f64).clamp(0.0, size[0] as f64);
+        let texel = |u: f64| (cut.leaf_point([u, 0.0])[0] * size[0] as f64).clamp(0.0, size[0] as f64);
         let mut crossings = Vec::new();
         for row in 0..size[1] {
             let v = |offset: f64| cut.to_plane([0.0, (row as f64 + offset) / size[1] as f64])[1];
@@ -33,7 +33,7 @@ impl Texture {
                 texture.set(row, (texel(pair[0]) - 0.5).ceil(), (texel(pair[1]) - 0.5).ceil());
             }
             cut.tree.strips([v(0.0), v(1.0)], &mut |a, b| {
-                if cut.from_plane([b, 0.0])[0] >= 0.0 && cut.from_plane([a, 0.0])[0] < 1.0 {
+                if cut.leaf_point([b, 0.0])[0] >= 0.0 && cut.leaf_point([a, 0.0])[0] < 1.0 {
                     texture.set(row, texel(a).floor(), texel(b).floor() + 1.0);
                 }
             });

@@ -1,5 +1,6 @@
 //! Trimming: the trees over trim loops against a second method, and trimmed frames against pictures known exactly.
 
+mod frames;
 #[path = "../support/mod.rs"]
 mod support;
 mod tree;

@@ -54,14 +54,20 @@ fn turns(points: &[DVec4], p: DVec2, depth: u32) -> Option<f64> {
     if depth == 40 {
         return None;
     }
+    let [low, high] = halves(points);
+    Some(turns(&low, p, depth + 1)? + turns(&high, p, depth + 1)?)
+}
+
+/// The two halves of a curve by de Casteljau.
+fn halves(points: &[DVec4]) -> [Vec<DVec4>; 2] {
     let (mut low, mut high) = (points.to_vec(), points.to_vec());
-    for level in 1..points.len() {
+    for (level, point) in low.iter_mut().enumerate().skip(1) {
         for k in 0..points.len() - level {
             high[k] = (high[k] + high[k + 1]) * 0.5;
         }
-        low[level] = high[0];
+        *point = high[0];
     }
-    Some(turns(&low, p, depth + 1)? + turns(&high, p, depth + 1)?)
+    [low, high]
 }
 
 fn winds_odd(loops: &[Loop], p: [f64; 2]) -> Option<bool> {
@@ -164,13 +170,7 @@ fn passes(points: &[DVec4], area: &ParameterBox, depth: u32) -> bool {
     if depth == 40 {
         return true;
     }
-    let (mut low, mut high) = (points.to_vec(), points.to_vec());
-    for level in 1..points.len() {
-        for k in 0..points.len() - level {
-            high[k] = (high[k] + high[k + 1]) * 0.5;
-        }
-        low[level] = high[0];
-    }
+    let [low, high] = halves(points);
     passes(&low, area, depth + 1) || passes(&high, area, depth + 1)
 }
 

@@ -104,7 +104,7 @@ impl Chart {
     /// are within half a period of it.
     ///
     /// Closed forms on analytic surfaces. Elsewhere damped Gauss-Newton, from `near` where there is one; where that ends
-    /// farther than `accept` from the point, branch and bound over the Bézier pieces' boxes finds the nearest point.
+    /// farther than `accept` from the point, or there is none, branch and bound over the Bézier pieces' boxes finds the nearest point.
     pub fn invert(&self, point: DVec3, near: Option<DVec2>, accept: f64) -> DVec2 {
         let uv = match (&self.form, &self.search) {
             (SurfaceForm::Plane(frame), _) => {

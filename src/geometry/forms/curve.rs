@@ -120,6 +120,16 @@ impl CurveSpan {
         best
     }
 
+    /// As [`CurveSpan::nearest`], from the nearest of several points between all breaks.
+    pub fn nearest_of_all(&self, point: DVec3) -> (f64, f64) {
+        let breaks = self.breaks();
+        let inside = |w: &[f64]| [0.0, 0.25, 0.5, 0.75, 1.0].map(|s| w[0] + (w[1] - w[0]) * s);
+        let distance = |t: f64| self.curve.position(t).distance_squared(point);
+        let starts = breaks.windows(2).flat_map(inside).map(|t| (distance(t), t));
+        let start = starts.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(self.range[0], |best| best.1);
+        self.nearest(point, start)
+    }
+
     /// Where the span starts and ends.
     pub fn ends(&self) -> [DVec3; 2] {
         self.range.map(|t| self.curve.position(t))

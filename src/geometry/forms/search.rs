@@ -10,7 +10,7 @@ use std::{cmp::Ordering, collections::BinaryHeap, f64::consts::TAU};
 const MAX_STEPS: usize = 40;
 
 /// Boxes that branch and bound looks into before it is content with what it has.
-const MAX_BOXES: usize = 3000;
+const MAX_BOXES: usize = 500;
 
 /// Nearest points of a NURBS surface.
 #[derive(Clone, Debug)]
@@ -80,7 +80,8 @@ impl NetSearch {
                 return uv;
             }
         }
-        self.nearest(point, near, accept)
+        // What continues a curve but lost it wants the nearest point, not just a near one.
+        self.nearest(point, near, if near.is_some() { 0.0 } else { accept })
     }
 
     /// Damped Gauss-Newton on the distance from `point`, kept inside the domain: where the surface ends, along its
@@ -112,7 +113,7 @@ impl NetSearch {
                 damping = if damping == 0.0 { 1e-3 } else { damping * 10.0 };
             }
             let scale = at.position.abs().max_element() + (at.du * extent.x).length() + (at.dv * extent.y).length();
-            if moved.sqrt() <= 4e-16 * scale || damping > 1e9 {
+            if moved.sqrt() <= 2e-15 * scale || damping > 1e9 {
                 break;
             }
         }

@@ -129,13 +129,15 @@ impl Bands<'_> {
         }
         rings.sort_by(|a, b| middle(a, across).total_cmp(&middle(b, across)));
         let count = rings.len();
-        let consistent = count % 2 == 0 && self.beyond(&rings[0]) && !self.beyond(&rings[count - 1]);
+        let consistent = count.is_multiple_of(2) && self.beyond(&rings[0]) && !self.beyond(&rings[count - 1]);
         let mut closed = Vec::new();
         let mut rings = rings.into_iter().peekable();
-        if !consistent && self.chart.periods()[across].is_none() {
-            if let Some(ring) = rings.next_if(|ring| !self.beyond(ring) && (count % 2 == 1 || self.end(0).is_some())) {
-                closed.extend(self.with_end(ring, warnings));
-            }
+        let alone = |ring: &Ring| !self.beyond(ring) && (count % 2 == 1 || self.end(0).is_some());
+        if !consistent
+            && self.chart.periods()[across].is_none()
+            && let Some(ring) = rings.next_if(alone)
+        {
+            closed.extend(self.with_end(ring, warnings));
         }
         while let Some(ring) = rings.next() {
             match rings.next() {

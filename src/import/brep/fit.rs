@@ -7,8 +7,10 @@ use crate::geometry::{Axis, BezierCurve, Chart, CurveForm, SurfaceForm};
 use crate::model::TrimCurve;
 use glam::{DVec2, DVec4};
 
-/// A section is halved at most this often; what is off then shows in the measured gap.
-const MAX_HALVINGS: usize = 8;
+/// A section is halved at most this often, and an edge becomes at most this many curves; what is off then is stated. An
+/// edge off its surface has kinks in its projection where the surface's curvature jumps: only halving gets near those.
+const MAX_HALVINGS: usize = 24;
+const MAX_CURVES: usize = 256;
 
 /// Makes trim curves of paths.
 pub(super) struct Fitter<'b> {
@@ -17,6 +19,8 @@ pub(super) struct Fitter<'b> {
     pub scale: &'b Scale,
     /// Largest distance in space of a fit from the exact image that was left.
     pub worst: f64,
+    /// How many curves there were before those of the present path.
+    pub first: usize,
 }
 
 impl Fitter<'_> {
@@ -73,12 +77,10 @@ impl Fitter<'_> {
     fn traced(&mut self, path: &Path, samples: &[(f64, DVec2)], source: Source, out: &mut Vec<TrimCurve>) {
         let image = Image::new(self, path, samples, source);
         let breaks = image.breaks(self);
-        let first = out.len();
+        self.first = out.len();
         for part in breaks.windows(2) {
             self.fit(&image, [part[0].0, part[1].0], [part[0].1, part[1].1], 0, out);
         }
-        // The ends of consecutive pieces are the same points; the path's own ends are those of its neighbours.
-        debug_assert!(out.len() > first);
     }
 
     fn fit(&mut self, image: &Image, [a, b]: [f64; 2], ends: [DVec2; 2], depth: usize, out: &mut Vec<TrimCurve>) {
@@ -107,7 +109,7 @@ impl Fitter<'_> {
                 let octic = coefficients(values.iter().copied());
                 let between = (0..FIT_DEGREE).map(|k| node(2 * k + 1, 2 * FIT_DEGREE));
                 let off = between.map(|s| size(value(&octic, s) - at(s))).fold(0.0, f64::max);
-                if off > tolerance && depth < MAX_HALVINGS {
+                if off > tolerance && depth < MAX_HALVINGS && out.len() - self.first < MAX_CURVES {
                     let middle = 0.5 * (a + b);
                     let p = image.plane(self, middle);
                     self.fit(image, [a, middle], [ends[0], p], depth + 1, out);
@@ -144,7 +146,9 @@ impl Fitter<'_> {
         let at = |k: u32| {
             let s = f64::from(k) / f64::from(count);
             let x = self.chart.position(self.to_surface(curve.position(s).truncate()));
-            source.span.nearest(x, range[0] + (range[1] - range[0]) * s).1
+            let found = source.span.nearest(x, range[0] + (range[1] - range[0]) * s).1;
+            // The image may run along the edge at quite another pace.
+            if found > self.scale.accept { found.min(source.span.nearest_of_all(x).1) } else { found }
         };
         (0..=count).map(at).fold(0.0, f64::max)
     }
@@ -158,7 +162,6 @@ struct Image<'a, 'b> {
     plane_ends: [DVec2; 2],
     /// How far joining moved the ends.
     moved: [DVec2; 2],
-    accept: f64,
 }
 
 impl<'a, 'b> Image<'a, 'b> {
@@ -166,9 +169,7 @@ impl<'a, 'b> Image<'a, 'b> {
         let ends = [path.start, path.end];
         let moved = [path.start - samples[0].1, path.end - samples[samples.len() - 1].1];
         let plane_ends = ends.map(|uv| fitter.to_plane(uv));
-        let mut image = Self { path, samples, source, plane_ends, moved, accept: fitter.scale.accept };
-        image.accept = fitter.scale.accept;
-        image
+        Self { path, samples, source, plane_ends, moved }
     }
 
     /// Surface parameters at `t`; the inversion starts from the samples on either side.
@@ -185,7 +186,7 @@ impl<'a, 'b> Image<'a, 'b> {
         let k = k.clamp(1, self.samples.len() - 1);
         let [low, high] = [self.samples[k - 1], self.samples[k]];
         let near = low.1.lerp(high.1, ((t - low.0) / (high.0 - low.0)).clamp(0.0, 1.0));
-        let uv = fitter.chart.invert(self.source.span.curve.position(t), Some(near), self.accept);
+        let uv = fitter.chart.invert(self.source.span.curve.position(t), Some(near), fitter.scale.follow);
         uv + self.moved[0].lerp(self.moved[1], (t - a) / (b - a))
     }
 

@@ -76,8 +76,10 @@ pub(crate) enum BrepError {
 /// Lengths that decide, in space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Scale {
-    /// Points of an edge may be this far off the surface before the nearest point is sought all over it.
+    /// Edges are on the surface to within this.
     accept: f64,
+    /// Along an edge points may be this far off the surface before the nearest one is sought all over it.
+    follow: f64,
     /// Fits are at least this near.
     fine: f64,
     /// Images that are this near to a straight line along one parameter are that line.
@@ -94,6 +96,7 @@ impl Scale {
         let least = (1e-9 * size).max(4e-15 * reach);
         Self {
             accept: tolerance.max(1e-6 * size),
+            follow: (10.0 * tolerance).max(1e-3 * size),
             fine: least,
             straight: least.max((1e-3 * tolerance).min(1e-7 * size)),
             snap: least.max((1e-2 * tolerance).min(1e-7 * size)),
@@ -151,7 +154,7 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
         return Err(BrepError::Unbounded);
     }
     let surface = chart.patches(area)?.into();
-    let mut fitter = Fitter { chart: &chart, axes: chart.axes(area), scale: &scale, worst: 0.0 };
+    let mut fitter = Fitter { chart: &chart, axes: chart.axes(area), scale: &scale, worst: 0.0, first: 0 };
     let loops = rings.iter().map(|ring| {
         let mut curves = Vec::with_capacity(ring.paths.len());
         ring.paths.iter().for_each(|path| fitter.curves(path, &mut curves));
@@ -161,7 +164,15 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
     note_gaps(source, &chart, &rings, &loops, fitter.worst, &mut warnings);
     let loops = if is_whole(&loops, area, scale.straight) { Vec::new() } else { loops };
     let FaceSource { id, name, color, kind, reversed, .. } = source;
-    let face = Face { id: *id, name: name.clone(), color: *color, kind: *kind, surface, loops, reversed: *reversed };
+    let face = Face {
+        id: *id,
+        name: name.as_str().into(),
+        color: *color,
+        kind: *kind,
+        surface,
+        loops: loops.into(),
+        reversed: *reversed,
+    };
     Ok(Built { face, warnings })
 }
 

@@ -59,15 +59,15 @@ impl<'a> Ring<'a> {
     fn close(&mut self, chart: &Chart, open_turns: &[usize]) {
         let (Some(first), Some(last)) = (self.paths.first(), self.paths.last()) else { return };
         let mut open_turns = open_turns.to_vec();
-        if let Some((pole, other)) = last.poles[1].zip(first.poles[0]) {
-            if pole == other {
-                let (end, open) = pole_end(chart, last, first.start, pole.axis, pole.value);
-                if open {
-                    open_turns.push(self.paths.len());
-                }
-                let bridge = Path::bridge(last.end, end);
-                self.paths.push(bridge);
+        if let Some((pole, other)) = last.poles[1].zip(first.poles[0])
+            && pole == other
+        {
+            let (end, open) = pole_end(chart, last, first.start, pole.axis, pole.value);
+            if open {
+                open_turns.push(self.paths.len());
             }
+            let bridge = Path::bridge(last.end, end);
+            self.paths.push(bridge);
         }
         self.measure_winding(chart);
         for axis in 0..2 {

@@ -124,13 +124,7 @@ pub(super) fn standard(points: &mut [DVec4]) {
     let mut factor = 1.0 / first;
     let count = points.len();
     for (k, p) in points.iter_mut().enumerate() {
-        if k + 1 == count {
-            *p = (p.truncate() / p.w).extend(1.0);
-        } else if k == 0 {
-            *p = (p.truncate() / p.w).extend(1.0);
-        } else {
-            *p *= factor;
-        }
+        *p = if k == 0 || k + 1 == count { (p.truncate() / p.w).extend(1.0) } else { *p * factor };
         factor *= ratio;
     }
 }
@@ -258,7 +252,8 @@ impl<'a> Tracer<'a, '_> {
 
     fn sample(&self, t: f64, near: Option<DVec2>) -> Sample {
         let point = self.span.curve.position(t);
-        let uv = self.chart.invert(point, near, self.scale.accept);
+        let accept = if near.is_some() { self.scale.follow } else { self.scale.accept };
+        let uv = self.chart.invert(point, near, accept);
         Sample { t, uv, pole: self.pole_at(point) }
     }
 
@@ -298,7 +293,7 @@ impl<'a> Tracer<'a, '_> {
         let h = 0.02 * (next.t - at.t);
         let mut near = (next.pole.is_none()).then_some(next.uv);
         let [far, middle, close] = [3.0, 2.0, 1.0].map(|k| {
-            let uv = self.chart.invert(self.span.curve.position(at.t + k * h), near, self.scale.accept);
+            let uv = self.chart.invert(self.span.curve.position(at.t + k * h), near, self.scale.follow);
             near = Some(uv);
             uv[other]
         });
@@ -312,15 +307,13 @@ impl<'a> Tracer<'a, '_> {
     fn constant(&self, axis: usize, samples: &[Sample]) -> Option<f64> {
         let inner = || samples.iter().filter(|s| s.pole.is_none_or(|pole| pole.axis == axis)).map(|s| s.uv[axis]);
         let (low, high) = inner().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
-        if !(low <= high) {
+        if low > high {
             return None;
         }
         let value = 0.5 * (low + high);
-        let reach = [0, 1].map(|a| {
-            samples.iter().map(|s| s.uv[a]).fold(f64::NEG_INFINITY, f64::max)
-                - samples.iter().map(|s| s.uv[a]).fold(f64::INFINITY, f64::min)
-        });
-        if high - low > 0.01 * reach[1 - axis].max(1e-300) && high - low > 1e-9 {
+        let other = samples.iter().map(|s| s.uv[1 - axis]);
+        let reach = other.clone().fold(f64::NEG_INFINITY, f64::max) - other.fold(f64::INFINITY, f64::min);
+        if high - low > (0.01 * reach).max(1e-9) {
             return None;
         }
         for sample in samples {

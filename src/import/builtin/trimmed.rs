@@ -37,7 +37,7 @@ pub fn part_of(name: &str) -> Option<Part> {
 }
 
 fn face(id: u32, kind: SurfaceKind, surface: Surface, loops: Vec<Loop>) -> Face {
-    Face { kind, loops, ..Face::new(id, format!("trimmed {id}"), surface) }
+    Face { kind, loops: loops.into(), ..Face::new(id, format!("trimmed {id}"), surface) }
 }
 
 fn plane(frame: &Frame, half: [f64; 2]) -> Surface {
@@ -193,7 +193,7 @@ fn degree22() -> Face {
     let turn = |k: usize| std::f64::consts::TAU * k as f64 / 22.0;
     // The control points of a star: the curve itself is smoother.
     let point = |k: usize| {
-        let radius = if k % 2 == 0 { 0.48 } else { 0.3 };
+        let radius = if k.is_multiple_of(2) { 0.48 } else { 0.3 };
         let angle = turn(k % 22);
         DVec4::new(0.5 + radius * angle.cos(), 0.5 + radius * angle.sin(), 0.0, 1.0)
     };

@@ -114,9 +114,9 @@ impl<'a> Args<'a> {
     }
 
     pub fn references(&mut self) -> Result<Vec<u32>, StepError> {
-        let mut list = self.list()?;
+        let list = self.list()?;
         let mut ids = Vec::new();
-        while let Some(value) = list.next() {
+        for value in list {
             match value {
                 Value::Reference(id) => ids.push(id),
                 _ => return self.bad("a list of references"),
@@ -126,9 +126,9 @@ impl<'a> Args<'a> {
     }
 
     pub fn numbers(&mut self) -> Result<Vec<f64>, StepError> {
-        let mut list = self.list()?;
+        let list = self.list()?;
         let mut numbers = Vec::new();
-        while let Some(value) = list.next() {
+        for value in list {
             numbers.push(self.number_of(Some(value))?);
         }
         Ok(numbers)

@@ -114,9 +114,9 @@ impl Shapes<'_, '_> {
     }
 
     /// One end of a trimmed curve, as its point or its parameter; what the file prefers where it has both.
-    fn trim(&self, basis: &Curve, mut select: Args, by_point: bool) -> Result<Option<End>, StepError> {
+    fn trim(&self, basis: &Curve, select: Args, by_point: bool) -> Result<Option<End>, StepError> {
         let (mut point, mut parameter) = (None, None);
-        while let Some(value) = select.next() {
+        for value in select {
             match value {
                 Value::Reference(id) => point = Some(End::Point(self.point(id)?)),
                 Value::Typed(mut inner) => parameter = Some(inner.number()?),

@@ -13,6 +13,9 @@ pub(super) struct File<'a> {
     index: Index,
 }
 
+/// Of a keyword, messages show this much.
+const LONGEST_KEYWORD: usize = 80;
+
 /// From entity numbers to records.
 enum Index {
     /// One more than the record, by number; 0: none.
@@ -95,7 +98,8 @@ impl<'a> Entity<'a> {
             cursor.at += 1;
             let _ = cursor.blank();
         }
-        cursor.keyword().map(|k| String::from_utf8_lossy(k).into_owned()).unwrap_or_default()
+        let keyword = cursor.keyword().unwrap_or_default();
+        String::from_utf8_lossy(&keyword[..keyword.len().min(LONGEST_KEYWORD)]).into_owned()
     }
 
     pub fn is_not(&self, expected: &'static str) -> StepError {

@@ -6,14 +6,16 @@ use glam::DAffine3;
 
 /// Assemblies nest no deeper.
 const MAX_DEPTH: usize = 200;
-/// More instances, or ways through the assembly, are left out: a few lines of text can ask for 2^60.
-const MAX_STEPS: usize = 1 << 21;
+/// More ways through the assembly are left out: a few lines of text can ask for 2^60.
+const MAX_STEPS: usize = 1 << 19;
 
 /// A way from the top through an assembly.
 struct Walk<'a> {
     assembly: &'a Assembly,
     /// Parts of each node.
     parts: &'a [Vec<usize>],
+    /// Nodes with parts in them, or below them.
+    holds: Vec<bool>,
     on_path: Vec<bool>,
     reached: Vec<bool>,
     steps: usize,
@@ -40,6 +42,7 @@ pub(super) fn flatten(assembly: &Assembly, parts: &[Vec<usize>]) -> (Vec<Instanc
     let mut walk = Walk {
         assembly,
         parts,
+        holds: holders(assembly, parts),
         on_path: vec![false; count],
         reached: vec![false; count],
         steps: 0,
@@ -58,6 +61,24 @@ pub(super) fn flatten(assembly: &Assembly, parts: &[Vec<usize>]) -> (Vec<Instanc
         walk.warn(format!("the assembly asks for more than {MAX_STEPS} components; the rest is left out"));
     }
     (walk.instances, walk.warnings)
+}
+
+/// The nodes that have parts in them, or below them.
+fn holders(assembly: &Assembly, parts: &[Vec<usize>]) -> Vec<bool> {
+    let mut parents = vec![Vec::new(); assembly.nodes.len()];
+    for (parent, node) in assembly.nodes.iter().enumerate() {
+        node.children.iter().for_each(|child| parents[child.node].push(parent));
+    }
+    let mut holds: Vec<bool> = parts.iter().map(|own| !own.is_empty()).collect();
+    let mut todo: Vec<usize> = (0..holds.len()).filter(|&node| holds[node]).collect();
+    while let Some(node) = todo.pop() {
+        for &parent in &parents[node] {
+            if !std::mem::replace(&mut holds[parent], true) {
+                todo.push(parent);
+            }
+        }
+    }
+    holds
 }
 
 impl Walk<'_> {
@@ -85,6 +106,9 @@ impl Walk<'_> {
         }
         let assembly = self.assembly;
         for child in &assembly.nodes[place.node].children {
+            if !self.holds[child.node] {
+                continue;
+            }
             let transform = place.transform * child.transform;
             let own = if child.name.is_empty() { &assembly.nodes[child.node].name } else { &child.name };
             let name = if place.name.is_empty() { own.clone() } else { format!("{}/{own}", place.name) };

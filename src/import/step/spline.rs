@@ -97,10 +97,10 @@ impl Shapes<'_, '_> {
     fn surface_of(&self, entity: &Entity, mut spelling: Spelling) -> Result<NurbsSurface, StepError> {
         let id = entity.id;
         let degree = [spelling.base.whole()?, spelling.base.whole()?];
-        let mut rows = spelling.base.list()?;
+        let rows = spelling.base.list()?;
         let mut points = Vec::new();
         let mut counts = [0, 0];
-        while let Some(row) = rows.next() {
+        for row in rows {
             let Value::List(row) = row else { return bad(id, "control points that are no list of lists") };
             let before = points.len();
             for value in row {
@@ -167,7 +167,7 @@ fn knots(
     match (spacing, written) {
         (Spacing::Written, Some((multiplicities, values))) => expand(id, &multiplicities, &values, expected),
         (Spacing::Uniform, _) => Ok((0..expected).map(|k| k as f64 - degree as f64).collect()),
-        (Spacing::Bezier, _) if (count - 1) % degree != 0 => {
+        (Spacing::Bezier, _) if !(count - 1).is_multiple_of(degree) => {
             bad(id, format!("{count} control points don't make Bézier pieces of degree {degree}"))
         }
         (Spacing::Bezier, _) => {

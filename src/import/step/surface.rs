@@ -13,12 +13,15 @@ use crate::model::SurfaceKind;
 use glam::DAffine3;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+/// Bounds in the surface's own parameters, where it has some.
+type Domain = Option<[[f64; 2]; 2]>;
+
 /// A surface as the file has it.
 pub(super) struct Basis {
     pub form: SurfaceForm,
     pub kind: SurfaceKind,
     /// Bounds in its parameters, where it has some.
-    pub domain: Option<[[f64; 2]; 2]>,
+    pub domain: Domain,
     /// The file's normal is the other one than `S_u x S_v`.
     pub flipped: bool,
     /// The entity itself, and those that it trims: what pcurves lie on.
@@ -109,7 +112,7 @@ impl Shapes<'_, '_> {
     }
 
     /// A degenerate one has the part of its tube that the file selects: the outer, apple, or the inner, lemon.
-    fn torus(&self, entity: &Entity, args: Args) -> Result<(SurfaceForm, Option<[[f64; 2]; 2]>), StepError> {
+    fn torus(&self, entity: &Entity, args: Args) -> Result<(SurfaceForm, Domain), StepError> {
         let (frame, mut args) = self.placed(args)?;
         let major = args.number()? * self.units.length;
         let minor = self.radius(entity.id, &mut args)?;
@@ -192,15 +195,8 @@ impl Shapes<'_, '_> {
         let u = [args.number()?, args.number()?].map(|t| t * basis.scale[0]);
         let v = [args.number()?, args.number()?].map(|t| t * basis.scale[1]);
         let senses = [args.flag()?, args.flag()?];
-        let periods = basis.form.periods(self.units.tolerance);
-        let bound = |[from, to]: [f64; 2], sense: bool, period: Option<f64>| {
-            let [low, high] = if sense { [from, to] } else { [to, from] };
-            match period {
-                Some(period) if high <= low => [low, high + ((low - high) / period).floor() * period + period],
-                _ => [low.min(high), low.max(high)],
-            }
-        };
-        basis.domain = Some([bound(u, senses[0], periods[0]), bound(v, senses[1], periods[1])]);
+        let (periods, limits) = (basis.form.periods(self.units.tolerance), basis.form.limits());
+        basis.domain = Some([within(u, senses[0], periods[0], limits[0]), within(v, senses[1], periods[1], limits[1])]);
         if basis.domain.is_some_and(|d| d.iter().any(|[a, b]| a >= b)) {
             return bad(id, "trimmed to nothing");
         }
@@ -215,6 +211,18 @@ impl Shapes<'_, '_> {
         basis.ids.push(id);
         Ok(basis)
     }
+}
+
+/// The interval between two bounds, from the first to the second where `sense` says so: of a parameter that closes at
+/// most one turn, of another what its limits leave.
+fn within([from, to]: [f64; 2], sense: bool, period: Option<f64>, [least, most]: [f64; 2]) -> [f64; 2] {
+    let [low, high] = if sense { [from, to] } else { [to, from] };
+    let Some(period) = period else { return [low.min(high).max(least), low.max(high).min(most)] };
+    let length = (high - low).rem_euclid(period);
+    let turn = length <= 1e-9 * period || high - low >= period;
+    // Far from the first turn there are few digits left.
+    let start = if low.abs() > 16.0 * period { low.rem_euclid(period) } else { low };
+    [start, start + if turn { period } else { length }]
 }
 
 /// Parameters of conics are angles.

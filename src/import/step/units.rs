@@ -40,14 +40,22 @@ impl Units {
         let mut units = Self::default();
         let mut errors = Vec::new();
         let Ok(context) = file.get(id) else { return (units, vec![StepError::Missing(id)]) };
+        let mut has_length = false;
         let assigned = part(&context, Kind::GlobalUnitAssignedContext).and_then(|mut a| a.references().ok());
         for unit in assigned.unwrap_or_default() {
             match unit_of(file, unit, 0) {
-                Ok(Unit::Length(metres)) => units.length = 1000.0 * metres,
+                Ok(Unit::Length(metres)) => {
+                    units.length = 1000.0 * metres;
+                    has_length = true;
+                }
                 Ok(Unit::Angle(radians)) => units.angle = radians,
                 Ok(Unit::Other) => {}
                 Err(error) => errors.push(error),
             }
+        }
+        if !has_length {
+            let what = "there is no unit of length: millimetres are assumed".into();
+            errors.push(StepError::Bad { entity: id, what });
         }
         let measures = part(&context, Kind::GlobalUncertaintyAssignedContext).and_then(|mut a| a.references().ok());
         let lengths = measures.unwrap_or_default().into_iter().filter_map(|m| match measure(file, m, 0) {

@@ -141,3 +141,31 @@ fn circle_on_a_paraboloid_of_degree_22() {
     // Wound the wrong way, on a surface with borders.
     check(&face(surface, vec![vec![back(&bound)]]), area);
 }
+
+#[test]
+fn offsets_of_every_kind() {
+    let frame = skew();
+    let surfaces = cylinders(frame).into_iter().chain([SurfaceForm::Cylinder { frame, radius: 2.0 }]);
+    let (bottom, top) = (circle(frame, 2.5, [0.0, TAU]), circle(raised(frame, 3.0), 2.5, [TAU + 0.4, 0.4]));
+    for base in surfaces {
+        let exact = matches!(base, SurfaceForm::Cylinder { .. });
+        let offset = SurfaceForm::Offset { base: Box::new(base), distance: 0.5 };
+        let bounds = vec![vec![edge(1, bottom.clone())], vec![edge(2, top.clone())]];
+        let built = check(&face(offset, bounds), TAU * 7.5);
+        assert_eq!(built.warnings.iter().any(|w| w.contains("offset")), !exact, "{:?}", built.warnings);
+    }
+}
+
+#[test]
+fn edge_off_the_surface_is_kept_and_named() {
+    let frame = skew();
+    let far = 1e-4;
+    let bottom = edge(7, circle(frame, 2.0 + far, [0.0, TAU]));
+    let top = edge(8, circle(raised(frame, 3.0), 2.0, [TAU, 0.0]));
+    for surface in cylinders(frame) {
+        let built = build_face(&face(surface, vec![vec![bottom.clone()], vec![top.clone()]])).unwrap();
+        assert!((measure::area(&built.face) - TAU * 6.0).abs() < 1e-9);
+        assert!(built.warnings.iter().any(|w| w.contains("#7") && w.contains("1.00e-4")), "{:?}", built.warnings);
+        assert!(!built.warnings.iter().any(|w| w.contains("#8")), "{:?}", built.warnings);
+    }
+}
