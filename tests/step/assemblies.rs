@@ -215,7 +215,7 @@ fn assemblies_of_themselves_end() {
 }
 
 fn color_of(model: &Model, name: &str) -> Option<[f32; 3]> {
-    faces(model).into_iter().find(|f| f.name == name).unwrap().color
+    faces(model).into_iter().find(|f| *f.name == *name).unwrap().color
 }
 
 #[test]
