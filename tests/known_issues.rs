@@ -9,7 +9,7 @@ mod support;
 use glam::{DAffine3, DVec3};
 use halfpixel::import::{builtin::builtin, load, read};
 use halfpixel::model::Model;
-use halfpixel::scene::{Camera, Scene, View, ViewSpec, prepare};
+use halfpixel::scene::{Camera, Scene, ViewSpec, prepare};
 use halfpixel::stages::{Frame, Options, Renderer, Show};
 use halfpixel::verify::{Report, Sampling, verify};
 use std::path::Path;
