@@ -123,7 +123,7 @@ def report(folder, results, limit=None):
     data = {
         "machine": machine(), "commit": commit(), "date": date.today().isoformat(),
         "files": len(files), "bytes_of_text": size, "face_entities": entities,
-        "info": {k: v for k, v in info.items() if k not in ("warnings", "faces_list", "lost", "model")},
+        "info": {k: v for k, v in info.items() if k not in ("warnings", "face_list", "lost", "model")},
         "info_seconds": info_run["seconds"], "info_peak_mb": info_run["peak_mb"], "info_errors": info_run["errors"][-2000:],
         "info_exit": info_run["code"], "lost": len(lost) if read else None, "lost_by_kind": Counter(kind_of(w) for w in lost).most_common(40),
         "warnings": sum(warnings.values()) if read else None, "warnings_by_kind": warnings.most_common(40),

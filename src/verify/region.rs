@@ -233,7 +233,7 @@ mod tests {
             .map(|k| {
                 let angle = f64::from(k) / 9.0 * 2.0 * std::f64::consts::TAU;
                 let w = 1.0 + 0.5 * f64::from(k % 3);
-                (DVec2::from_angle(angle) * (if k % 2 == 0 { 3.0 } else { 1.0 })).extend(0.0).extend(1.0) * w
+                (DVec2::from_angle(angle) * (if k % 2 == 0 || k == 9 { 3.0 } else { 1.0 })).extend(0.0).extend(1.0) * w
             })
             .collect();
         let curve = BezierCurve::new("test", points.clone()).unwrap();
