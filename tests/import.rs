@@ -219,7 +219,7 @@ fn other_formats_are_named() {
         let message = error(text);
         assert!(message.starts_with("folder/shape.any: "), "{message}");
     }
-    assert!(error("hello").contains("no known format; what can be read: .bpt, BezierView .bv"));
+    assert!(error("hello").contains("no known format; what can be read: STEP, .bpt, BezierView .bv"));
     for text in ["", " \n\r\n\t"] {
         assert!(error(text).contains("empty"));
     }

@@ -1,7 +1,7 @@
 //! Hard cases of reading STEP: small files in tests/models, with what each must come to by formula (cases.py there).
 
 use halfpixel::import::{self, ImportError};
-use halfpixel::model::{Face, Figures, Model, Part};
+use halfpixel::model::{Face, Model, Part};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -45,10 +45,6 @@ fn complaints(judge: impl Fn(&Expected, &Model) -> Vec<String>) -> String {
         }
     }
     text
-}
-
-fn figures(model: &Model) -> Figures {
-    model.figures(&model.measure(&|_done, _all| {}))
 }
 
 fn figures_area(model: &Model) -> f64 {

@@ -240,7 +240,7 @@ mod tests {
         let loops = [closed(vec![points])];
         let region = Region::new(&loops);
         let at = |k: u32| curve.position(f64::from(k) / 4096.0).truncate();
-        let sides: Vec<[DVec2; 2]> = (0..4096).map(|k| [at(k), if k == 4095 { at(0) } else { at(k + 1) }]).collect();
+        let sides: Vec<[DVec2; 2]> = (0..4096).map(|k| [at(k), at(k + 1)]).collect();
         let mut inside = 0;
         for k in 0..3000 {
             let p = scattered(k) * 2.0;
