@@ -58,7 +58,8 @@ pub struct Patch {
 pub struct PatchTrim {
     /// The tree in `Scene::trims` that tells inside from outside; `None`: all of the patch is inside.
     pub tree: Option<u32>,
-    /// Trim curves run along one of the patch's borders: the face ends there.
+    /// The face ends at one of the patch's borders: trim curves run along it, or the whole surface ends there, in a model
+    /// with trims.
     pub rim: bool,
     /// Largest gap of the curves along its borders, in the part's units.
     pub gap: f64,
