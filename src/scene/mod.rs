@@ -20,6 +20,7 @@ use crate::geometry::Net;
 use crate::model::Loop;
 use glam::{DAffine3, DVec3, DVec4};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A prepared model. Patches belong to parts; instances draw ranges of them.
 #[derive(Clone, Debug, Default)]
@@ -57,7 +58,8 @@ pub struct Patch {
 pub struct PatchTrim {
     /// The tree in `Scene::trims` that tells inside from outside; `None`: all of the patch is inside.
     pub tree: Option<u32>,
-    /// Trim curves run along one of the patch's borders: the face ends there.
+    /// The face ends at one of the patch's borders: trim curves run along it, or the whole surface ends there, in a model
+    /// with trims.
     pub rim: bool,
     /// Largest gap of the curves along its borders, in the part's units.
     pub gap: f64,
@@ -85,13 +87,13 @@ pub struct NormalCone {
 pub struct SceneFace {
     /// The file's own entity number where it has one.
     pub id: u32,
-    pub name: String,
+    pub name: Arc<str>,
     /// Linear RGB.
     pub color: [f32; 3],
     /// Which side of the surface can be seen.
     pub sides: Sides,
     /// Trim loops in the plane of [`Patch::domain`]; none: the face is all of its patches.
-    pub loops: Vec<Loop>,
+    pub loops: Arc<[Loop]>,
 }
 
 /// The sides of a face that can be seen.

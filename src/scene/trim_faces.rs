@@ -15,11 +15,12 @@ const NEAR: f64 = 1e-6;
 /// What the loops leave of every patch of every face, in order; `None`: nothing. Faces whose loops only run along their
 /// patches' borders have no tree.
 pub(super) fn trim_faces(faces: &[&Face]) -> (Trims, Vec<Option<PatchTrim>>) {
+    let cut = faces.iter().any(|face| has_loops(face));
     let chunks: Vec<(Trims, Vec<Option<PatchTrim>>)> = faces
         .par_chunks(CHUNK)
         .map(|faces| {
             let mut trims = Trims::default();
-            let patches = faces.iter().flat_map(|face| trim_face(face, &mut trims)).collect();
+            let patches = faces.iter().flat_map(|face| trim_face(face, cut, &mut trims)).collect();
             (trims, patches)
         })
         .collect();
@@ -34,9 +35,24 @@ pub(super) fn trim_faces(faces: &[&Face]) -> (Trims, Vec<Option<PatchTrim>>) {
     (all, patches)
 }
 
-fn trim_face(face: &Face, trims: &mut Trims) -> Vec<Option<PatchTrim>> {
-    if face.loops.iter().all(|l| l.curves.is_empty()) {
-        return vec![Some(PatchTrim::default()); face.surface.patches.len()];
+fn has_loops(face: &Face) -> bool {
+    face.loops.iter().any(|l| !l.curves.is_empty())
+}
+
+/// A whole surface ends at its borders: where other faces are cut, one of these may come to meet it there.
+fn whole_face(face: &Face, cut: bool) -> Vec<Option<PatchTrim>> {
+    let patches = &face.surface.patches;
+    let end = |axis: usize, of: fn(f64, f64) -> f64, k: usize| patches.iter().map(|p| p.domain[axis][k]).reduce(of);
+    let ends = [0, 1].map(|axis| [end(axis, f64::min, 0), end(axis, f64::max, 1)]);
+    let is_end = |d: &[[f64; 2]; 2], axis: usize, k: usize| ends[axis][k] == Some(d[axis][k]);
+    let rim = |d: &[[f64; 2]; 2]| cut && (0..2).any(|axis| (0..2).any(|k| is_end(d, axis, k)));
+    patches.iter().map(|p| Some(PatchTrim { rim: rim(&p.domain), ..PatchTrim::default() })).collect()
+}
+
+/// `cut`: loops cut some face of the model.
+fn trim_face(face: &Face, cut: bool, trims: &mut Trims) -> Vec<Option<PatchTrim>> {
+    if !has_loops(face) {
+        return whole_face(face, cut);
     }
     let before = trims.mark();
     let number = trims.add(&face.loops);

@@ -10,7 +10,7 @@ use super::frame::Targets;
 use super::interpolate::{corner_parameters, interpolate};
 use super::newton::{Batch, LANES};
 use super::shade::Shader;
-use super::topology::{depth_of, triangle_index, triangles, word};
+use super::topology::{depth_of, triangle_index, triangles, with_depth, word};
 use super::trim_cut::{self, Cut, keeps};
 use rayon::prelude::*;
 
@@ -33,6 +33,13 @@ struct Hit {
     parameters: [f32; 2],
 }
 
+impl Hit {
+    /// As a visibility word.
+    fn word(&self) -> u64 {
+        with_depth(self.triangle, self.depth)
+    }
+}
+
 /// Strokes: a pixel goes to the nearest surface exactly under its centre, where that is nearer than what N shows; else
 /// back to N.
 pub(super) fn settle(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Filled>) {
@@ -41,11 +48,25 @@ pub(super) fn settle(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fi
     let mut hits = hits.into_iter();
     filled.retain_mut(|f| {
         let hit = hits.next().flatten();
-        targets.near[f.pixel as usize] =
-            hit.as_ref().map_or(f.near, |hit| u64::from(hit.depth.to_bits()) << 32 | hit.triangle);
+        targets.near[f.pixel as usize] = hit.as_ref().map_or(f.near, Hit::word);
         f.start = hit.map(|hit| hit.parameters);
         f.start.is_some()
     });
+}
+
+/// Pixels whose exact point is not where the depth test took it to be, each with its exact depth in `near`: another
+/// surface that is nearer under the centre takes them; else the exact depth stands. Those taken join `filled`.
+pub(super) fn resettle(shader: &Shader, targets: &mut Targets, doubts: &[Filled], filled: &mut Vec<Filled>) {
+    if doubts.is_empty() {
+        return;
+    }
+    let strips = Strips::new(shader, doubts);
+    let hits: Vec<Option<Hit>> = doubts.par_iter().map(|f| nearest_hit(shader, &strips, f)).collect();
+    for (f, hit) in doubts.iter().zip(hits) {
+        targets.near[f.pixel as usize] = hit.as_ref().map_or(f.near, Hit::word);
+        filled.extend(hit.map(|hit| Filled { start: Some(hit.parameters), ..*f }));
+    }
+    filled.sort_unstable_by_key(|f| f.pixel);
 }
 
 /// Other ways to fill: what refinement leaves beyond half a pixel goes back to N.

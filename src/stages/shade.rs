@@ -9,8 +9,8 @@ use super::interpolate::interpolate;
 use super::lens::Lens;
 use super::newton::{Batch, LANES, Surface, refine};
 use super::rasterize::BAND;
-use super::settle::{refuse, settle};
-use super::topology::meshlet_of;
+use super::settle::{EXACT, refuse, resettle, settle};
+use super::topology::{depth_of, meshlet_of, with_depth};
 use super::trim_texture::Texture;
 use super::{Fill, Options, show};
 use crate::scene::Scene;
@@ -33,6 +33,8 @@ pub(super) struct Shader<'a> {
 
 /// Pixels of rounding that refinement may meet where it follows a net past its leaf, into the rest of the patch.
 const EXTRAPOLATED: f64 = 1.0 / 128.0;
+/// Of stored depths, as a share of the camera depth (perspective) or of the depth range.
+const DEPTH_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
 
 /// Pixels in a row that show one leaf.
 struct Run {
@@ -43,24 +45,33 @@ struct Run {
 
 /// Shades every drawn pixel; filled pixels that turn out to be no gap go back to N.
 pub(super) fn shade(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Filled>) {
-    if shader.options.refine > 0 {
-        match shader.options.fill {
-            Fill::Stroke => settle(shader, targets, filled),
-            _ => refuse(shader, targets, filled),
-        }
+    let exact = shader.options.refine > 0 && shader.options.fill == Fill::Stroke;
+    if exact {
+        settle(shader, targets, filled);
+    } else if shader.options.refine > 0 {
+        refuse(shader, targets, filled);
     }
     let width = shader.lens.size[0] as usize;
     let bands = targets.near.par_chunks(width * BAND).zip(targets.parameters.par_chunks_mut(width * BAND));
     let bands = bands.zip(targets.color.par_chunks_mut(width * BAND)).enumerate();
-    bands.for_each(|(k, ((words, parameters), color))| {
+    let doubts = bands.map(|(k, ((words, parameters), color))| {
         let first = (k * BAND * width) as u32;
+        let mut doubts = Vec::new();
         for group in shader.runs(words).chunk_by(|a, b| a.leaf == b.leaf) {
             shader.group(group, words, first, &mut |pixel, surfel| {
                 parameters[pixel] = surfel.parameters;
                 color[pixel] = surfel.color;
+                if exact && shader.is_in_doubt(words[pixel], &surfel) {
+                    let near = with_depth(words[pixel], surfel.depth);
+                    doubts.push(Filled { pixel: first + pixel as u32, near, start: None });
+                }
             });
         }
+        doubts
     });
+    let mut doubts: Vec<Filled> = doubts.flatten().collect();
+    doubts.retain(|d| filled.binary_search_by_key(&d.pixel, |f| f.pixel).is_err());
+    resettle(shader, targets, &doubts, filled);
     // Where a filled pixel's parameters are known, they stand: its triangle would lead astray near a silhouette.
     let near = &targets.near;
     let surfels: Vec<Surfel> = filled.par_iter().map(|f| shader.surfel(near[f.pixel as usize], f)).collect();
@@ -76,6 +87,8 @@ pub(super) struct Surfel {
     color: [f32; 3],
     /// Pixels between the pixel centre and the projected surface point.
     pub residual: f32,
+    /// Stored depth of the surface point.
+    depth: f32,
 }
 
 impl Shader<'_> {
@@ -181,7 +194,8 @@ impl Shader<'_> {
                 normal: self.camera_normal(leaf, normal, pixel),
                 towards_eye: -self.ray(pixel),
             };
-            write(k, Surfel { parameters, color: show::color(self, &look), residual: lanes.residual[k] });
+            let depth = self.stored_depth(surface.depth_origin + lanes.z[k]);
+            write(k, Surfel { parameters, color: show::color(self, &look), residual: lanes.residual[k], depth });
         }
     }
 
@@ -216,6 +230,18 @@ impl Shader<'_> {
         self.stored_depth((z - self.options.depth_tolerance * lens.pixel_size(z)) as f32)
     }
 
+    /// The exact point is not where the grid's depth said, or not under the pixel's centre: on steep surfaces half a
+    /// pixel is many pixels deep, and the depth test was not fair.
+    fn is_in_doubt(&self, word: u64, surfel: &Surfel) -> bool {
+        let lens = self.lens;
+        let shown = f64::from(depth_of(word));
+        let (pixel, range) =
+            if lens.perspective { (shown / lens.scale, shown) } else { (1.0 / (lens.scale * lens.extent), 1.0) };
+        let off = (f64::from(surfel.depth) - shown).abs();
+        let usable = surfel.depth > 0.0 && surfel.depth.is_finite();
+        usable && (surfel.residual > EXACT || off > self.options.depth_tolerance * pixel + DEPTH_ROUNDING * range)
+    }
+
     pub(super) fn interpolated(&self, leaf: u32, word: u64, pixel: u32) -> [f32; 2] {
         let width = self.lens.size[0];
         interpolate(self.meshlets, self.grids[leaf as usize].quads, word, pixel % width, pixel / width)
@@ -225,7 +251,7 @@ impl Shader<'_> {
     pub(super) fn surfel(&self, word: u64, filled: &Filled) -> Surfel {
         let leaf = self.meshlets.meshlets[meshlet_of(word) as usize].leaf;
         let start = filled.start.unwrap_or_else(|| self.interpolated(leaf, word, filled.pixel));
-        let mut found = Surfel { parameters: [0.0; 2], color: [0.0; 3], residual: f32::INFINITY };
+        let mut found = Surfel { parameters: [0.0; 2], color: [0.0; 3], residual: f32::INFINITY, depth: 0.0 };
         self.batch(&self.surface(leaf), leaf, &[filled.pixel], |_| start, |_| word, &mut |_, surfel| found = surfel);
         found
     }

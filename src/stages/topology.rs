@@ -28,6 +28,11 @@ pub(super) fn word(depth: f32, meshlet: u32, index: u32) -> u64 {
     u64::from(depth.to_bits()) << 32 | u64::from(meshlet << INDEX_BITS | index)
 }
 
+/// The same word at another depth.
+pub(super) fn with_depth(word: u64, depth: f32) -> u64 {
+    u64::from(depth.to_bits()) << 32 | u64::from(word as u32)
+}
+
 pub(super) fn depth_of(word: u64) -> f32 {
     f32::from_bits((word >> 32) as u32)
 }

@@ -3,6 +3,7 @@
 use crate::tree::Random;
 use glam::{DVec2, DVec3};
 use halfpixel::import::builtin::builtin;
+use halfpixel::model::SurfaceKind;
 use halfpixel::scene::{Camera, Projection, Scene, View, ViewSpec, prepare};
 use halfpixel::stages::{Fill, Frame, Options, Renderer, Trim};
 use halfpixel::verify::{Sampling, verify};
@@ -249,6 +250,25 @@ fn the_oracle_agrees_everywhere() {
             let broken = [report.violations, report.cracks, report.covering_failures, report.depth_failures];
             assert_eq!(broken, [0; 4], "{name} {view:?} zoom {zoom} {target}");
         }
+    }
+}
+
+#[test]
+fn whole_faces_meet_cut_ones() {
+    // The bore's loops run along its borders: without them it is the same face. The cube's are cut exactly, its own
+    // grid only keeps within half a pixel of the edge.
+    let mut model = builtin("trimmed:drilled").expect("a built-in");
+    for face in model.parts[0].faces.iter_mut().filter(|face| face.kind == SurfaceKind::Cylinder) {
+        face.loops.clear();
+    }
+    let scene = prepare(&model, &|_, _| {}).expect("a scene");
+    for (view, zoom) in [(View::Top, 1.0), (View::Top, 2.0), (View::Bottom, 3.0), (View::Iso, 1.5)] {
+        let spec = ViewSpec { size: [240, 180], view, zoom, ..ViewSpec::default() };
+        let frame = draw(&scene, spec, &Options::default());
+        let pixels = |x, y| frame.pixel(x, y);
+        let report = verify(&scene, &frame.camera, &frame.options, &pixels, &Sampling::default(), &|_, _| ());
+        let broken = [report.violations, report.cracks, report.covering_failures, report.depth_failures];
+        assert_eq!(broken, [0; 4], "{view:?} zoom {zoom}: {:?}", report.worst);
     }
 }
 

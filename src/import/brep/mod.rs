@@ -173,7 +173,15 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
     note_gaps(source, &chart, &rings, &loops, fitter.worst, &mut warnings);
     let loops = if is_whole(&loops, area, scale.straight) { Vec::new() } else { loops };
     let FaceSource { id, name, color, kind, reversed, .. } = source;
-    let face = Face { id: *id, name: name.clone(), color: *color, kind: *kind, surface, loops, reversed: *reversed };
+    let face = Face {
+        id: *id,
+        name: name.as_str().into(),
+        color: *color,
+        kind: *kind,
+        surface,
+        loops: loops.into(),
+        reversed: *reversed,
+    };
     Ok(Built { face, warnings })
 }
 
