@@ -57,6 +57,28 @@ fn what_is_shown_is_visible_within_half_a_pixel() {
     assert_eq!(report.covering_failures, 0, "{:?}", report.worst);
 }
 
+/// One pixel in 300,000 at worst, in three of 21 views of this file: a wall is seen nearly along, its grid reaches up to
+/// half a pixel beyond its border, and refinement stops at the border, where another face hides it. What lies exactly
+/// under the centre is farther away, and can't be told from what shines through a gap of the model, which the wall closes.
+#[test]
+#[ignore = "a pixel at walls seen along shows one that is hidden"]
+fn walls_end_where_they_are_hidden() {
+    let Some(model) = real("NIST_MBE_PMI_2.stp") else { return };
+    let report = judged_model(&model, ViewSpec { size: [640, 480], view: View::Left, ..ViewSpec::default() });
+    assert_eq!(report.covering_failures, 0, "{:?}", report.worst);
+}
+
+/// Two pixels of 307,200: a face reaches over its trim by what refinement leaves (1/512 px and rounding), and where it
+/// is hidden but for a corner, a pixel centre may lie in that reach. The oracle allows 1e-4 px.
+#[test]
+#[ignore = "a pixel at corners shows a face that reaches 0.003 px over its trim"]
+fn faces_reach_no_farther_than_their_gap() {
+    let Some(model) = real("kicad_Molex_SlimStack_54722-0804_2x40.step") else { return };
+    let spec = ViewSpec { size: [640, 480], view: View::Left, zoom: 8.0, ..ViewSpec::default() };
+    let report = judged_model(&model, spec);
+    assert_eq!(report.covering_failures, 0, "{:?}", report.worst);
+}
+
 /// Right on a fold the map to the screen can hardly be inverted: the first steps overshoot, their halvings gain little,
 /// and refinement gives up up to 0.2 px short, on about one pixel in a million. A second-order step along the tangent
 /// that the screen does not see would get there.
