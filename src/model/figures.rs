@@ -75,7 +75,7 @@ impl Model {
     pub fn figures(&self, areas: &Areas) -> Figures {
         let faces = || self.parts.iter().flat_map(|p| &p.faces);
         let patches = || faces().flat_map(|f| &f.surface.patches);
-        let curves = || faces().flat_map(|f| &f.loops).flat_map(|l| &l.curves);
+        let curves = || faces().flat_map(|f| f.loops.iter()).flat_map(|l| &l.curves);
         let mut degrees = BTreeMap::new();
         for patch in patches() {
             *degrees.entry(patch.patch.degree()).or_insert(0) += 1;
@@ -134,7 +134,7 @@ impl Model {
 
     fn edges(&self) -> usize {
         let of_part = |part: &super::Part| {
-            let curves = part.faces.iter().flat_map(|f| &f.loops).flat_map(|l| &l.curves);
+            let curves = part.faces.iter().flat_map(|f| f.loops.iter()).flat_map(|l| &l.curves);
             curves.filter_map(|c| c.edge).collect::<HashSet<_>>().len()
         };
         self.parts.iter().map(of_part).sum()

@@ -11,6 +11,7 @@ pub use measure::Areas;
 use crate::geometry::{BezierCurve, BezierPatch, PatchPiece};
 use glam::{DAffine3, DVec3};
 use serde::Serialize;
+use std::sync::Arc;
 
 /// Everything that was read from one file (or built in).
 #[derive(Clone, Debug, Default)]
@@ -51,13 +52,14 @@ pub enum Solidity {
 pub struct Face {
     /// The file's own entity number where it has one, else the running number from 0.
     pub id: u32,
-    pub name: String,
+    /// Shared with the scene, like the loops: a library of millions of faces is there once.
+    pub name: Arc<str>,
     /// Linear RGB; `None`: the renderer's default.
     pub color: Option<[f32; 3]>,
     pub kind: SurfaceKind,
     pub surface: Surface,
     /// The face is what lies inside by the odd-even rule; without loops it is the whole surface.
-    pub loops: Vec<Loop>,
+    pub loops: Arc<[Loop]>,
     /// The face's outward normal is `-(S_u x S_v)`.
     pub reversed: bool,
 }
@@ -133,7 +135,7 @@ pub struct Warning {
 
 impl Face {
     /// A whole surface, untrimmed and uncoloured.
-    pub fn new(id: u32, name: impl Into<String>, surface: Surface) -> Self {
+    pub fn new(id: u32, name: impl Into<Arc<str>>, surface: Surface) -> Self {
         Self { id, name: name.into(), surface, ..Self::default() }
     }
 }

@@ -20,6 +20,7 @@ use crate::geometry::Net;
 use crate::model::Loop;
 use glam::{DAffine3, DVec3, DVec4};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A prepared model. Patches belong to parts; instances draw ranges of them.
 #[derive(Clone, Debug, Default)]
@@ -86,13 +87,13 @@ pub struct NormalCone {
 pub struct SceneFace {
     /// The file's own entity number where it has one.
     pub id: u32,
-    pub name: String,
+    pub name: Arc<str>,
     /// Linear RGB.
     pub color: [f32; 3],
     /// Which side of the surface can be seen.
     pub sides: Sides,
     /// Trim loops in the plane of [`Patch::domain`]; none: the face is all of its patches.
-    pub loops: Vec<Loop>,
+    pub loops: Arc<[Loop]>,
 }
 
 /// The sides of a face that can be seen.

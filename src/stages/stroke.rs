@@ -71,53 +71,72 @@ impl Band<'_> {
     }
 }
 
-/// A stroke along corner 0 to corner 1; corner 2 completes the triangle behind it.
-pub(super) fn stroke(corners: &[Vertex; 3], pen: &Pen, id: u64, band: &mut Band) {
-    let [a, b, c] = corners;
-    let (ax, ay, bx, by) = (i64::from(a.x), i64::from(a.y), i64::from(b.x), i64::from(b.y));
-    let r = pen.radius;
-    let [(x0, x1), (y0, y1)] = band.pixels((ax.min(bx) - r, ax.max(bx) + r), (ay.min(by) - r, ay.max(by) + r));
-    if x0 > x1 || y0 > y1 {
-        return;
+/// A segment that a square pen runs along; sub-pixels, the radius in L-infinity.
+struct Segment {
+    from: [i64; 2],
+    way: [i64; 2],
+    radius: i64,
+}
+
+impl Segment {
+    fn new(a: &Vertex, b: &Vertex, radius: i64) -> Self {
+        let from = [i64::from(a.x), i64::from(a.y)];
+        Self { from, way: [i64::from(b.x) - from[0], i64::from(b.y) - from[1]], radius }
     }
-    let (dx, dy) = (bx - ax, by - ay);
-    let area = dx * (i64::from(c.y) - ay) - dy * (i64::from(c.x) - ax);
-    let reach = r * (dx.abs() + dy.abs());
-    let length2 = dx * dx + dy * dy;
-    let push = if pen.fold > 0 { 0.0 } else { push(corners, area, pen) };
-    for y in y0..=y1 {
-        for x in x0..=x1 {
-            let (px, py) = (x * SUBPIXELS as i64 + HALF - ax, y * SUBPIXELS as i64 + HALF - ay);
-            let e = dx * py - dy * px;
-            // Only the outer side: inside, the triangle's own fragments say it better.
-            if e.abs() > reach || e * area.signum() > 0 {
-                continue;
+
+    /// Calls `paint(x, y, side, s)` for the pixels whose centres the pen meets: `side` is positive to the right of the way
+    /// (y runs down), `s` in [0, 1] says where on the segment the nearest point lies.
+    fn draw(&self, band: &mut Band, mut paint: impl FnMut(&mut Band, i64, i64, i64, f32)) {
+        let ([ax, ay], [dx, dy], r) = (self.from, self.way, self.radius);
+        let reach = r * (dx.abs() + dy.abs());
+        let length2 = dx * dx + dy * dy;
+        let range = |a: i64, d: i64| (a.min(a + d) - r, a.max(a + d) + r);
+        let [(x0, x1), (y0, y1)] = band.pixels(range(ax, dx), range(ay, dy));
+        let subpixels = SUBPIXELS as i64;
+        for y in y0..=y1 {
+            let py = y * subpixels + HALF - ay;
+            // Long slanted edges: only what lies between the two parallels, and a pixel to spare for rounding.
+            let (low, high) = match dy {
+                0 => (x0, x1),
+                _ => {
+                    let (a, b) = ((dx * py - reach) / dy, (dx * py + reach) / dy);
+                    let pixel = |px: i64| (px + ax - HALF).div_euclid(subpixels);
+                    (x0.max(pixel(a.min(b)) - 1), x1.min(pixel(a.max(b)) + 2))
+                }
+            };
+            for x in low..=high {
+                let px = x * subpixels + HALF - ax;
+                let side = dx * py - dy * px;
+                if side.abs() <= reach {
+                    paint(band, x, y, side, nearest(dx * px + dy * py, length2));
+                }
             }
-            let s = nearest(dx * px + dy * py, length2);
-            let depth = (a.depth + (b.depth - a.depth) * s - push) * PUSH_FACTOR;
-            band.spare(x, y, id | u64::from(depth.max(f32::MIN_POSITIVE).to_bits()) << 32);
         }
     }
 }
 
+/// A stroke along corner 0 to corner 1; corner 2 completes the triangle behind it.
+pub(super) fn stroke(corners: &[Vertex; 3], pen: &Pen, id: u64, band: &mut Band) {
+    let [a, b, c] = corners;
+    let segment = Segment::new(a, b, pen.radius);
+    let ([ax, ay], [dx, dy]) = (segment.from, segment.way);
+    let area = dx * (i64::from(c.y) - ay) - dy * (i64::from(c.x) - ax);
+    let push = if pen.fold > 0 { 0.0 } else { push(corners, area, pen) };
+    segment.draw(band, |band, x, y, side, s| {
+        // Only the outer side: inside, the triangle's own fragments say it better.
+        if side * area.signum() <= 0 {
+            let depth = (a.depth + (b.depth - a.depth) * s - push) * PUSH_FACTOR;
+            band.spare(x, y, id | u64::from(depth.max(f32::MIN_POSITIVE).to_bits()) << 32);
+        }
+    });
+}
+
 /// A stroke along an edge at which the grid folds over, on both sides.
 pub(super) fn fold(a: &Vertex, b: &Vertex, pen: &Pen, id: u64, band: &mut Band) {
-    let (ax, ay, bx, by) = (i64::from(a.x), i64::from(a.y), i64::from(b.x), i64::from(b.y));
-    let r = pen.fold;
-    let [(x0, x1), (y0, y1)] = band.pixels((ax.min(bx) - r, ax.max(bx) + r), (ay.min(by) - r, ay.max(by) + r));
-    let (dx, dy) = (bx - ax, by - ay);
-    let reach = r * (dx.abs() + dy.abs());
-    let length2 = dx * dx + dy * dy;
-    for y in y0..=y1 {
-        for x in x0..=x1 {
-            let (px, py) = (x * SUBPIXELS as i64 + HALF - ax, y * SUBPIXELS as i64 + HALF - ay);
-            if (dx * py - dy * px).abs() <= reach {
-                let s = nearest(dx * px + dy * py, length2);
-                let depth = (a.depth + (b.depth - a.depth) * s) * PUSH_FACTOR;
-                band.spare(x, y, id | u64::from(depth.max(f32::MIN_POSITIVE).to_bits()) << 32);
-            }
-        }
-    }
+    Segment::new(a, b, pen.fold).draw(band, |band, x, y, _, s| {
+        let depth = (a.depth + (b.depth - a.depth) * s) * PUSH_FACTOR;
+        band.spare(x, y, id | u64::from(depth.max(f32::MIN_POSITIVE).to_bits()) << 32);
+    });
 }
 
 /// Where on a segment the nearest point lies: projection over squared length, clamped.

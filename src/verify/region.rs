@@ -233,14 +233,14 @@ mod tests {
             .map(|k| {
                 let angle = f64::from(k) / 9.0 * 2.0 * std::f64::consts::TAU;
                 let w = 1.0 + 0.5 * f64::from(k % 3);
-                (DVec2::from_angle(angle) * (if k % 2 == 0 { 3.0 } else { 1.0 })).extend(0.0).extend(1.0) * w
+                (DVec2::from_angle(angle) * (if k % 2 == 0 || k == 9 { 3.0 } else { 1.0 })).extend(0.0).extend(1.0) * w
             })
             .collect();
         let curve = BezierCurve::new("test", points.clone()).unwrap();
         let loops = [closed(vec![points])];
         let region = Region::new(&loops);
         let at = |k: u32| curve.position(f64::from(k) / 4096.0).truncate();
-        let sides: Vec<[DVec2; 2]> = (0..4096).map(|k| [at(k), if k == 4095 { at(0) } else { at(k + 1) }]).collect();
+        let sides: Vec<[DVec2; 2]> = (0..4096).map(|k| [at(k), at(k + 1)]).collect();
         let mut inside = 0;
         for k in 0..3000 {
             let p = scattered(k) * 2.0;

@@ -72,7 +72,7 @@ impl<'a> Trims<'a> {
                 })
             })
             .collect();
-        let curves = scene.faces.iter().flat_map(|f| &f.loops).flat_map(|l| &l.curves);
+        let curves = scene.faces.iter().flat_map(|f| f.loops.iter()).flat_map(|l| &l.curves);
         let gap = curves.map(|c| c.gap).fold(0.0, f64::max);
         let faces = scene.faces.iter().map(|_| OnceLock::new()).collect();
         Self { scene, faces, starts, patches, parts, part_of, gap }

@@ -63,6 +63,59 @@ def _(s):
     s.product("part", s.shells([s.face(s.elementary("TOROIDAL_SURFACE", 10.0, 3.0), [loop], area)]))
 
 
+def window(s, u, v, kind, frame):
+    """The loop around a window, with the rest of the surface to its left; kind gives its two families of arcs."""
+    low, right, high, left = frame(u, v, kind)
+    flip = lambda e: e[1:] if e.startswith("-") else "-" + e
+    return s.bound(s.loop(flip(left), flip(high), flip(right), flip(low)))
+
+
+def cylinder_frame(s, radius):
+    def frame(us, vs, _):
+        at = lambda u, v: (radius * cos(u), radius * sin(u), v)
+        arc = lambda v: s.arc_edge((0.0, 0.0, v), Z, X, radius, us[0], us[1])
+        low, high = arc(vs[0]), arc(vs[1])
+        right, left = (s.line_edge(at(u, vs[0]), at(u, vs[1])) for u in (us[1], us[0]))
+        return [low, right, "-" + high, "-" + left]
+    return frame
+
+
+def cylinder_with_holes(s, holes):
+    """Radius 2, height 6, without a seam edge."""
+    circle = lambda z: s.arc_edge((0.0, 0.0, z), Z, X, 2.0)
+    bounds = [s.loop(circle(0.0)), s.loop("-" + circle(6.0))]
+    bounds += [window(s, u, v, None, cylinder_frame(s, 2.0)) for u, v in holes]
+    area = 24 * pi - sum(2.0 * (u[1] - u[0]) * (v[1] - v[0]) for u, v in holes)
+    s.product("part", s.shells([s.face(s.elementary("CYLINDRICAL_SURFACE", 2.0), bounds, area)]))
+
+
+@case("cylinder_hole_across_seam", "A cylinder without a seam edge, with a hole where its circles start")
+def _(s):
+    cylinder_with_holes(s, [((-0.5, 0.4), (2.0, 3.0))])
+
+
+@case("cylinder_holes_all_around", "A cylinder without a seam edge, with holes that leave no room for a straight seam")
+def _(s):
+    cylinder_with_holes(s, [((-1.0, 1.5), (0.5, 1.5)), ((1.0, 3.8), (2.0, 3.0)), ((3.5, 5.9), (3.5, 4.5))])
+
+
+def torus_with_holes(s, holes):
+    frame = lambda us, vs, _: torus_frame(s, 10.0, 3.0, us=us, vs=vs)
+    bounds = [window(s, u, v, None, frame) for u, v in holes]
+    area = 4 * pi**2 * 30.0 - sum(torus_area(10.0, 3.0, u[1] - u[0], *v) for u, v in holes)
+    s.product("part", s.shells([s.face(s.elementary("TOROIDAL_SURFACE", 10.0, 3.0), bounds, area)]))
+
+
+@case("torus_two_windows", "A whole torus but for two windows: one across both seams, one opposite")
+def _(s):
+    torus_with_holes(s, [((-0.7, 0.7), (-0.9, 0.9)), ((2.6, 3.6), (2.4, 3.9))])
+
+
+@case("torus_windows_all_around", "A torus with windows that leave no room for a straight seam either way")
+def _(s):
+    torus_with_holes(s, [((0.0, 2.5), (-0.5, 2.0)), ((2.2, 4.5), (1.8, 4.2)), ((4.2, 6.5), (3.9, 6.1))])
+
+
 @case("torus_inner_side", "The inner side of a torus between two circles, without a seam edge")
 def _(s):
     v0, v1 = 2.0, tau - 2.0

@@ -2,8 +2,9 @@
 
 use crate::shapes::{self, Part};
 use glam::DVec3;
-use halfpixel::scene::{Camera, Scene};
-use halfpixel::stages::{Options, Pixel};
+use halfpixel::import::builtin::builtin;
+use halfpixel::scene::{Camera, Scene, View, ViewSpec, prepare};
+use halfpixel::stages::{Options, Pixel, Renderer};
 use halfpixel::verify::{Class, Failure, Hit, Oracle, Report, Sampling, verify};
 
 /// A frame as a list.
@@ -216,4 +217,23 @@ fn an_empty_scene_is_background() {
     report.map.write_png(&mut png).unwrap();
     let reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
     assert_eq!((reader.info().width, reader.info().height), (20, 10));
+}
+
+/// Beside folds the map to the screen can hardly be inverted; refinement gets there all the same.
+#[test]
+fn refinement_reaches_the_surface_on_folds() {
+    for name in ["torus", "teapot", "sphere"] {
+        let scene = prepare(&builtin(name).expect(name), &|_, _| {}).expect(name);
+        for view in View::ALL {
+            for orthographic in [false, true] {
+                let spec = ViewSpec { size: [640, 360], view, orthographic, ..ViewSpec::default() };
+                let camera = spec.camera(&scene.bounds).expect("a camera");
+                let frame = Renderer::new(&scene).render(&camera, &Options::default()).expect("a frame");
+                let pixels = |x, y| frame.pixel(x, y);
+                let report = verify(&scene, &camera, &Options::default(), &pixels, &Sampling::default(), &|_, _| {});
+                let refined = report.refined_error_px.map_or(0.0, |e| e.max);
+                assert!(refined <= 0.01, "{name} {view:?}: {refined} px");
+            }
+        }
+    }
 }

@@ -44,7 +44,7 @@ pub fn scene(parts: &[Part], offset: DVec3) -> Scene {
     }
     let faces = parts.iter().map(|p| p.face).max().unwrap_or(0) + 1;
     scene.faces = (0..faces)
-        .map(|id| SceneFace { id, name: String::new(), color: [0.5; 3], sides: Sides::Both, loops: Vec::new() })
+        .map(|id| SceneFace { id, name: "".into(), color: [0.5; 3], sides: Sides::Both, loops: [].into() })
         .collect();
     scene.instances = vec![SceneInstance { patches: 0..parts.len(), transform: DAffine3::IDENTITY, color: None }];
     scene.bounds = Bounds { low: low + offset, high: high + offset };

@@ -45,7 +45,7 @@ fn walls(loops: Vec<Vec<Loop>>) -> Scene {
         patch.domain = [[-4.0, 4.0]; 2];
     }
     for (face, loops) in scene.faces.iter_mut().zip(loops) {
-        face.loops = loops;
+        face.loops = loops.into();
     }
     scene
 }
@@ -145,7 +145,7 @@ fn a_hole_is_not_filled_by_the_far_side_of_its_own_face() {
         patch.domain = [[k as f64, k as f64 + 1.0], [-1.0, 1.0]];
     }
     let whole = rectangle(DVec2::new(0.0, -1.0), DVec2::new(4.0, 1.0), [(0.0, None); 4]);
-    scene.faces[0].loops = vec![whole, circle(DVec2::new(3.0, 0.0), 0.5)];
+    scene.faces[0].loops = [whole, circle(DVec2::new(3.0, 0.0), 0.5)].into();
     let mut good = Picture::perfect(scene, shapes::front([100, 100], 40.0));
     assert!(good.report().passed(), "{:?}", good.report().worst);
     // Quarter 3 begins where x is 0 and y is -1: nearest to the eye.

@@ -90,7 +90,7 @@ fn faceted_breps_and_faces_without_surface() {
 }
 
 /// A box in an assembly in an assembly: turned, then mirrored by an operator, then mapped.
-fn nested() -> Text {
+fn nested(parent_first: bool) -> Text {
     let mut text = Text::default();
     let context = text.context(Units::Millimetres);
     let origin = text.at([0.0; 3]);
@@ -104,22 +104,23 @@ fn nested() -> Text {
     let [part_product, middle_product] = [text.product("part", part), text.product("middle", middle)];
     let top_product = text.product("top", top);
     // x' = 10 - y, y' = x
-    let turned = text.add(format_args!("ITEM_DEFINED_TRANSFORMATION('','',#{origin},#{middle_place})"));
-    text.usage("a", [(middle_product, middle), (part_product, part)], turned);
-    let moved = text.at([0.0, 0.0, 5.0]);
-    let moved = text.add(format_args!("ITEM_DEFINED_TRANSFORMATION('','',#{origin},#{moved})"));
-    text.usage("b", [(middle_product, middle), (part_product, part)], moved);
+    let above = text.at([0.0, 0.0, 5.0]);
+    for (name, place) in [("a", middle_place), ("b", above)] {
+        let [one, two] = if parent_first { [place, origin] } else { [origin, place] };
+        let operator = text.add(format_args!("ITEM_DEFINED_TRANSFORMATION('','',#{one},#{two})"));
+        text.usage(name, [(middle_product, middle), (part_product, part)], operator, parent_first);
+    }
     // x'' = 100 - x', all doubled.
     let [x, y, z] = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(|d| text.direction(d));
     let point = text.point([100.0, 0.0, 0.0]);
     let mirror = text.add(format_args!("CARTESIAN_TRANSFORMATION_OPERATOR_3D('','','',#{x},#{y},#{point},2.,#{z})"));
-    text.usage("m", [(top_product, top), (middle_product, middle)], mirror);
+    text.usage("m", [(top_product, top), (middle_product, middle)], mirror, false);
     text
 }
 
 #[test]
 fn nested_assemblies_with_a_mirror() {
-    let found = clean(&nested().file());
+    let found = clean(&nested(false).file());
     assert_eq!((found.parts.len(), found.parts[0].faces.len(), found.instances.len()), (1, 6, 2));
     assert_eq!(found.parts[0].name, "part");
     let names: Vec<&str> = found.instances.iter().map(|i| i.name.as_str()).collect();
@@ -134,27 +135,29 @@ fn nested_assemblies_with_a_mirror() {
 }
 
 #[test]
-fn relationships_the_wrong_way_round_follow_the_usage() {
-    let text = nested().file();
-    // Parent first in the relationship, and the items with it.
-    let mut swapped = String::new();
-    for statement in text.split_inclusive(";\n") {
-        let crossed = statement.contains("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION");
-        let references: Vec<&str> = statement.split('#').skip(2).take(2).collect();
-        if crossed && !statement.contains("_OPERATOR") {
-            let [a, b] = [references[0], references[1]].map(|r| r.split([',', ')']).next().unwrap());
-            swapped += &statement.replace(&format!("#{a},#{b}"), &format!("#{b},#{a}"));
-        } else {
-            swapped += statement;
-        }
+fn relationships_from_parent_to_child_mean_the_same() {
+    let [one, two] = [false, true].map(|parent_first| clean(&nested(parent_first).file()));
+    for (a, b) in one.instances.iter().zip(&two.instances) {
+        assert_eq!(a.name, b.name);
+        assert!(a.transform.abs_diff_eq(b.transform, 1e-12), "{} {}", a.transform, b.transform);
     }
-    // The transformation goes from the first to the second either way, so all are now inverses.
-    let [one, two] = [model(&text), model(&swapped)];
     assert_eq!(two.instances.len(), 2);
-    for k in 0..2 {
-        let names: [&str; 2] = [&one.instances[k].name, &two.instances[k].name];
-        assert_eq!(names[0], names[1], "the hierarchy is that of the usages");
-    }
+}
+
+#[test]
+fn surfaces_without_bounds_are_said() {
+    let mut text = Text::default();
+    let context = text.context(Units::Millimetres);
+    let solid = text.box_solid([0.0; 3], [1.0; 3]);
+    let origin = text.at([0.0; 3]);
+    let plane = text.add(format_args!("PLANE('',#{origin})"));
+    let swept = text.add(format_args!("EXTRUDED_AREA_SOLID('',#{origin},#{origin},1.)"));
+    text.representation(&[solid, plane, swept], context);
+    let found = model(&text.file());
+    assert_eq!(faces(&found).len(), 6);
+    assert_eq!((found.warnings.len(), found.warnings[0].entity), (1, Some(plane)));
+    assert_eq!((found.lost.len(), found.lost[0].entity), (1, Some(swept)));
+    assert!(found.lost[0].message.contains("EXTRUDED_AREA_SOLID"), "{:?}", found.lost);
 }
 
 #[test]
@@ -212,7 +215,7 @@ fn assemblies_of_themselves_end() {
 }
 
 fn color_of(model: &Model, name: &str) -> Option<[f32; 3]> {
-    faces(model).into_iter().find(|f| f.name == name).unwrap().color
+    faces(model).into_iter().find(|f| *f.name == *name).unwrap().color
 }
 
 #[test]

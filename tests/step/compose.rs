@@ -169,18 +169,19 @@ impl Text {
         definition
     }
 
-    /// One product in another, each with its shape; the relationship of the shapes.
-    pub fn usage(&mut self, name: &str, [parent, child]: [(u32, u32); 2], operator: u32) -> u32 {
+    /// One product in another, each with its shape; the relationship goes from the child's shape to the parent's, or
+    /// the other way.
+    pub fn usage(&mut self, name: &str, [parent, child]: [(u32, u32); 2], operator: u32, parent_first: bool) {
+        let [from, to] = if parent_first { [parent.1, child.1] } else { [child.1, parent.1] };
         let usage =
             self.add(format_args!("NEXT_ASSEMBLY_USAGE_OCCURRENCE('1','{name}','',#{},#{},$)", parent.0, child.0));
         let place = self.add(format_args!("PRODUCT_DEFINITION_SHAPE('','',#{usage})"));
         let relation = self.add(format_args!(
             "(REPRESENTATION_RELATIONSHIP('','',#{},#{}) REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION(#{operator}) \
              SHAPE_REPRESENTATION_RELATIONSHIP())",
-            child.1, parent.1
+            from, to
         ));
         self.add(format_args!("CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#{relation},#{place})"));
-        relation
     }
 
     pub fn mapped(&mut self, representation: u32, origin: u32, target: u32) -> u32 {
@@ -243,7 +244,7 @@ pub fn mixture() -> Text {
     let [top_product, hollow_product] = [text.product("top", top), text.product("hollow", hollow)];
     let place = text.placement([9.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
     let item = text.add(format_args!("ITEM_DEFINED_TRANSFORMATION('','',#{origin},#{place})"));
-    text.usage("one", [(top_product, top), (hollow_product, hollow)], item);
+    text.usage("one", [(top_product, top), (hollow_product, hollow)], item, false);
     text
 }
 

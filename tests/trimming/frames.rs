@@ -259,7 +259,7 @@ fn whole_faces_meet_cut_ones() {
     // grid only keeps within half a pixel of the edge.
     let mut model = builtin("trimmed:drilled").expect("a built-in");
     for face in model.parts[0].faces.iter_mut().filter(|face| face.kind == SurfaceKind::Cylinder) {
-        face.loops.clear();
+        face.loops = [].into();
     }
     let scene = prepare(&model, &|_, _| {}).expect("a scene");
     for (view, zoom) in [(View::Top, 1.0), (View::Top, 2.0), (View::Bottom, 3.0), (View::Iso, 1.5)] {

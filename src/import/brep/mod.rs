@@ -2,6 +2,8 @@
 //!
 //! A reader of STEP or the like hands over a [`FaceSource`]; [`build_face`] makes the [`Face`] of it.
 
+mod bands;
+mod clip;
 mod cover;
 mod fit;
 mod pcurve;
@@ -71,6 +73,12 @@ pub(crate) enum BrepError {
     Geometry(#[from] GeometryError),
     #[error("the face has no bounds and its surface is unbounded")]
     Unbounded,
+    #[error(
+        "a loop winds {u} times around the surface along u and {v} times along v: it crosses itself or another loop"
+    )]
+    Winding { u: i32, v: i32 },
+    #[error("a loop that winds around the surface has no partner to bound the face with")]
+    NoPartner,
 }
 
 /// Lengths that decide, in space.
@@ -131,7 +139,8 @@ fn extent(source: &FaceSource) -> (f64, f64) {
 /// The face with its loops in the surface's parameter plane and the patches that cover them.
 ///
 /// # Errors
-/// Where nothing can be shown of the face: it has no extent, or its numbers are out of range.
+/// Where the face can't be shown as it is meant: it has no extent, its numbers are out of range, or its loops wind around
+/// the surface so that they bound nothing.
 pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
     let (size, reach) = extent(source);
     let scale = Scale::new(size, reach, source.tolerance);
@@ -144,7 +153,7 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
             rings.extend(Ring::new(&chart, &scale, edges));
         }
     }
-    let mut rings = closed_rings(&chart, rings, &mut warnings);
+    let mut rings = closed_rings(&chart, rings, &mut warnings)?;
     rings.iter_mut().for_each(|ring| ring.join(&chart, &scale));
     let area = match area(&chart, &rings) {
         Some(area) => area,
@@ -164,7 +173,15 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
     note_gaps(source, &chart, &rings, &loops, fitter.worst, &mut warnings);
     let loops = if is_whole(&loops, area, scale.straight) { Vec::new() } else { loops };
     let FaceSource { id, name, color, kind, reversed, .. } = source;
-    let face = Face { id: *id, name: name.clone(), color: *color, kind: *kind, surface, loops, reversed: *reversed };
+    let face = Face {
+        id: *id,
+        name: name.as_str().into(),
+        color: *color,
+        kind: *kind,
+        surface,
+        loops: loops.into(),
+        reversed: *reversed,
+    };
     Ok(Built { face, warnings })
 }
 

@@ -106,6 +106,30 @@ impl<'a> Ring<'a> {
         self.points().fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[a, b], p| [a.min(p), b.max(p)])
     }
 
+    /// A box that holds the ring: that of the samples with room for what bulges out between them.
+    pub fn reach(&self) -> [DVec2; 2] {
+        let bounds = self.paths.iter().map(Path::bounds);
+        bounds.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[a, b], [p, q]| [a.min(p), b.max(q)])
+    }
+
+    /// The share of another ring's points, moved by `by`, that lie inside the polygon through the samples.
+    pub fn share_inside(&self, other: &Ring, by: DVec2) -> f64 {
+        let (mut inside, mut count) = (0.0, 0.0);
+        for p in other.points().map(|p| p + by) {
+            let mut odd = false;
+            let Some(mut a) = self.paths.last().map(|path| path.end) else { return 0.0 };
+            for b in self.points() {
+                if (a.y > p.y) != (b.y > p.y) && p.x < a.x + (b.x - a.x) * (p.y - a.y) / (b.y - a.y) {
+                    odd = !odd;
+                }
+                a = b;
+            }
+            inside += f64::from(u8::from(odd));
+            count += 1.0;
+        }
+        inside / count
+    }
+
     /// Signed area of the polygon through the samples; positive where the ring runs counter-clockwise.
     pub fn area(&self) -> f64 {
         let Some(first) = self.paths.first().map(|path| path.start) else { return 0.0 };

@@ -37,7 +37,7 @@ pub fn part_of(name: &str) -> Option<Part> {
 }
 
 fn face(id: u32, kind: SurfaceKind, surface: Surface, loops: Vec<Loop>) -> Face {
-    Face { kind, loops, ..Face::new(id, format!("trimmed {id}"), surface) }
+    Face { kind, loops: loops.into(), ..Face::new(id, format!("trimmed {id}"), surface) }
 }
 
 fn plane(frame: &Frame, half: [f64; 2]) -> Surface {

@@ -173,6 +173,7 @@ impl<'f, 'a> Builder<'f, 'a> {
                 walker.item(item, color, &mut contents);
             }
             lost.append(&mut contents.lost);
+            self.log.notes.borrow_mut().append(&mut contents.warnings);
             for mapped in std::mem::take(&mut contents.mapped) {
                 match self.mapped(&mapped, representation) {
                     Ok(child) => nodes[node].children.push(child),

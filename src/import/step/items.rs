@@ -40,6 +40,8 @@ pub(super) struct Contents {
     pub open: Vec<FaceUse>,
     pub mapped: Vec<Mapped>,
     pub lost: Vec<Warning>,
+    /// What is passed over.
+    pub warnings: Vec<Warning>,
 }
 
 /// Walks through items and marks what it has met, so that what no item leads to can be found after.
@@ -117,6 +119,10 @@ impl Walker<'_, '_> {
                 contents.mapped.push(Mapped { item: id, map, target, name });
             }
             Kind::Complex => self.complex(&entity, inside, contents)?,
+            Kind::Plane | Kind::CylindricalSurface | Kind::ConicalSurface => {
+                let message = format!("#{id}: {} that no face bounds is not shown", entity.keyword());
+                contents.warnings.push(Warning { entity: Some(id), message });
+            }
             _ if is_face(entity.kind) => self.face(&entity, inside, contents)?,
             _ if holds_surfaces(&entity) => return Err(entity.is_not("a shape that is read here")),
             // Points, curves, placements, texts.
@@ -182,9 +188,6 @@ fn is_face(kind: Kind) -> bool {
             | Kind::RationalBSplineSurface
             | Kind::RectangularTrimmedSurface
             | Kind::CurveBoundedSurface
-            | Kind::Plane
-            | Kind::CylindricalSurface
-            | Kind::ConicalSurface
             | Kind::SphericalSurface
             | Kind::ToroidalSurface
             | Kind::DegenerateToroidalSurface

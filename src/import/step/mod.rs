@@ -43,15 +43,15 @@ const LISTED: usize = 5;
 
 /// True for files that open like this format; white space and comments may come before.
 pub(super) fn matches(bytes: &[u8]) -> bool {
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let text = without_mark(bytes);
     let mut cursor = scan::Cursor { text, at: 0 };
     cursor.blank().is_ok() && text[cursor.at..].starts_with(b"ISO-10303-21")
 }
 
 /// Reads a whole file. What can't be read is left out by name, as long as a face is left.
 pub(super) fn parse(bytes: &[u8], name: &str) -> Result<Model, ParseError> {
-    let scanned = scan::scan(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes));
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let text = without_mark(bytes);
+    let scanned = scan::scan(text);
     let mut warnings = syntax_warnings(text, &scanned);
     let (file, twice) = File::new(text, scanned.records);
     if !twice.is_empty() {
@@ -73,6 +73,11 @@ pub(super) fn parse(bytes: &[u8], name: &str) -> Result<Model, ParseError> {
         return Err(nothing(text, &model));
     }
     Ok(model)
+}
+
+/// The text without a byte order mark.
+fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
 
 /// Syntax errors with line and column, and that the file is cut.

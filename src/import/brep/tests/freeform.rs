@@ -57,7 +57,7 @@ fn meridian(frame: &Frame, u: f64) -> Frame {
 }
 
 /// Several forms of the same cylinder of radius 2 over heights from -1 to 5.
-fn cylinders(frame: Frame) -> Vec<SurfaceForm> {
+pub(super) fn cylinders(frame: Frame) -> Vec<SurfaceForm> {
     let profile = |h: [f64; 2]| h.map(|h| frame.point(2.0, 0.0, h));
     let [a, b] = profile([-1.0, 5.0]);
     let lifted = raised(frame, -1.0);
@@ -69,6 +69,13 @@ fn cylinders(frame: Frame) -> Vec<SurfaceForm> {
         SurfaceForm::Extrusion { profile: circle(lifted, 2.0, [-1.0, TAU - 1.0]), direction: frame.z },
         SurfaceForm::Extrusion { profile: CurveSpan { curve: nurbs_circle, range: [0.0, 4.0] }, direction: frame.z },
     ]
+}
+
+/// A torus as a NURBS that closes both ways.
+pub(super) fn turned_torus(frame: &Frame, [major, minor]: [f64; 2]) -> SurfaceForm {
+    let half = meridian(frame, 0.0);
+    let tube = Frame { origin: frame.origin + half.x * major, ..half };
+    SurfaceForm::Nurbs(turned(frame, &conic(&tube, [minor, minor], [0.0, TAU])))
 }
 
 #[test]

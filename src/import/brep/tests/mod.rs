@@ -3,6 +3,7 @@
 mod analytic;
 mod freeform;
 mod measure;
+mod windows;
 
 use super::*;
 use crate::geometry::exact::Frame;
