@@ -9,7 +9,7 @@ mod support;
 use glam::{DAffine3, DVec3};
 use halfpixel::import::{builtin::builtin, load, read};
 use halfpixel::model::Model;
-use halfpixel::scene::{Camera, Scene, ViewSpec, prepare};
+use halfpixel::scene::{Camera, Scene, View, ViewSpec, prepare};
 use halfpixel::stages::{Frame, Options, Renderer, Show};
 use halfpixel::verify::{Report, Sampling, verify};
 use std::path::Path;
@@ -54,6 +54,60 @@ fn real(name: &str) -> Option<Model> {
 fn what_is_shown_is_visible_within_half_a_pixel() {
     let Some(model) = real("killeroo.bpt") else { return };
     let report = judged_model(&model, ViewSpec { orthographic: true, zoom: 8.0, ..ViewSpec::default() });
+    assert_eq!(report.covering_failures, 0, "{:?}", report.worst);
+}
+
+/// One pixel in 300,000 at worst, in three of 21 views of this file: a wall is seen nearly along, its grid reaches up to
+/// half a pixel beyond its border, and refinement stops at the border, where another face hides it. What lies exactly
+/// under the centre is farther away, and can't be told from what shines through a gap of the model, which the wall closes.
+#[test]
+#[ignore = "a pixel at walls seen along shows one that is hidden"]
+fn walls_end_where_they_are_hidden() {
+    let Some(model) = real("NIST_MBE_PMI_2.stp") else { return };
+    let report = judged_model(&model, ViewSpec { size: [640, 480], view: View::Left, ..ViewSpec::default() });
+    assert_eq!(report.covering_failures, 0, "{:?}", report.worst);
+}
+
+/// Twenty pixels of one view of this file, one of another, in rows along the edge of a plane (#58032) and its fillet:
+/// the oracle has their centres half a pixel inside the plane's loops, and the frame shows background. Not yet explained;
+/// what the trim tree says there is the first thing to look at.
+#[test]
+#[ignore = "background between faces of one file"]
+fn the_antenna_has_no_cracks() {
+    let Some(model) = real("ublox_ANN-MB-00_SMA.stp") else { return };
+    let spec = ViewSpec { size: [640, 480], view: View::Top, zoom: 8.0, ..ViewSpec::default() };
+    assert_eq!(judged_model(&model, spec).cracks, 0);
+}
+
+/// One pixel of 307,200: a steep cylinder wall meets a plane at a trimmed edge, its exact surface lies under the pixel's
+/// centre, and neither the plane's fragments nor the wall's come to be tested there. Not yet explained.
+#[test]
+#[ignore = "one pixel between a steep wall and a plane stays background"]
+fn steep_walls_meet_trimmed_planes() {
+    let Some(model) = real("so100_Wrist_Roll_08c.step") else { return };
+    let report = judged_model(&model, ViewSpec { size: [640, 480], zoom: 8.0, ..ViewSpec::default() });
+    assert_eq!(report.cracks, 0, "{:?}", report.worst);
+}
+
+/// Some twenty pixels of one view: where the depth test was in doubt, the exact search takes a point of another wall
+/// that is within 0.002 px of the centre and nearer, of which the oracle sees nothing (the wall is seen edge-on).
+/// A hit that is edge-on should not count there, where something is shown already.
+#[test]
+#[ignore = "walls seen edge-on take pixels that were in doubt"]
+fn walls_seen_edge_on_take_no_pixels() {
+    let Some(model) = real("so100_Wrist_Roll_08c.step") else { return };
+    let spec = ViewSpec { size: [640, 480], view: View::Right, zoom: 64.0, ..ViewSpec::default() };
+    assert_eq!(judged_model(&model, spec).covering_failures, 0);
+}
+
+/// Two pixels of 307,200: a face reaches over its trim by what refinement leaves (1/512 px and rounding), and where it
+/// is hidden but for a corner, a pixel centre may lie in that reach. The oracle allows 1e-4 px.
+#[test]
+#[ignore = "a pixel at corners shows a face that reaches 0.003 px over its trim"]
+fn faces_reach_no_farther_than_their_gap() {
+    let Some(model) = real("kicad_Molex_SlimStack_54722-0804_2x40.step") else { return };
+    let spec = ViewSpec { size: [640, 480], view: View::Left, zoom: 8.0, ..ViewSpec::default() };
+    let report = judged_model(&model, spec);
     assert_eq!(report.covering_failures, 0, "{:?}", report.worst);
 }
 

@@ -44,7 +44,7 @@ impl Hit {
 /// back to N.
 pub(super) fn settle(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Filled>) {
     let strips = Strips::new(shader, filled);
-    let hits: Vec<Option<Hit>> = filled.par_iter().map(|f| nearest_hit(shader, &strips, f)).collect();
+    let hits: Vec<Option<Hit>> = filled.par_iter().map(|f| nearest_hit(shader, &strips, f, true)).collect();
     let mut hits = hits.into_iter();
     filled.retain_mut(|f| {
         let hit = hits.next().flatten();
@@ -55,13 +55,14 @@ pub(super) fn settle(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fi
 }
 
 /// Pixels whose exact point is not where the depth test took it to be, each with its exact depth in `near`: another
-/// surface that is nearer under the centre takes them; else the exact depth stands. Those taken join `filled`.
+/// surface that is nearer under the centre takes them; else the exact depth stands. Those taken join `filled`. A surface is
+/// shown already, so that no gap is to be closed here.
 pub(super) fn resettle(shader: &Shader, targets: &mut Targets, doubts: &[Filled], filled: &mut Vec<Filled>) {
     if doubts.is_empty() {
         return;
     }
     let strips = Strips::new(shader, doubts);
-    let hits: Vec<Option<Hit>> = doubts.par_iter().map(|f| nearest_hit(shader, &strips, f)).collect();
+    let hits: Vec<Option<Hit>> = doubts.par_iter().map(|f| nearest_hit(shader, &strips, f, false)).collect();
     for (f, hit) in doubts.iter().zip(hits) {
         targets.near[f.pixel as usize] = hit.as_ref().map_or(f.near, Hit::word);
         filled.extend(hit.map(|hit| Filled { start: Some(hit.parameters), ..*f }));
@@ -83,11 +84,12 @@ pub(super) fn refuse(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fi
     });
 }
 
-fn nearest_hit(shader: &Shader, strips: &Strips, f: &Filled) -> Option<Hit> {
+/// `reaching`: faces reach over the model's gaps; else only what lies under the centre itself counts.
+fn nearest_hit(shader: &Shader, strips: &Strips, f: &Filled, reaching: bool) -> Option<Hit> {
     // N's own surface lies within the depth tolerance of its depth: only what is clearly nearer counts.
     let behind = shader.nearer_by_tolerance(depth_of(f.near));
     let leaves = strips.leaves(shader, f.pixel, behind);
-    let hits = leaves.filter_map(|leaf| search(shader, leaf, f, behind));
+    let hits = leaves.filter_map(|leaf| search(shader, leaf, f, behind, reaching));
     // Equal depths go to the larger word, as everywhere.
     hits.max_by(|a, b| a.depth.total_cmp(&b.depth).then(a.triangle.cmp(&b.triangle)))
 }
@@ -96,14 +98,19 @@ fn nearest_hit(shader: &Shader, strips: &Strips, f: &Filled) -> Option<Hit> {
 ///
 /// The grid is within half a pixel of the surface, parameter by parameter: whatever lies under the centre has its
 /// triangle that near, and refinement from that triangle finds it.
-fn search(shader: &Shader, number: u32, f: &Filled, behind: f32) -> Option<Hit> {
+fn search(shader: &Shader, number: u32, f: &Filled, behind: f32, reaching: bool) -> Option<Hit> {
     let pixel = f.pixel;
     let mut surface = shader.surface(number);
     surface.any_sheet = true;
     let leaf = &shader.leaves[number as usize];
     let cut = Cut::new(shader.scene, shader.lens, shader.options, leaf);
     // Where the patch ends within the model's gap, its border stands in for what lies in it.
-    let [border, gap] = trim_cut::gaps(shader.scene, shader.lens, leaf);
+    let [border, gap] = if reaching { trim_cut::gaps(shader.scene, shader.lens, leaf) } else { [0.0; 2] };
+    let belongs = |batch: &Batch, k: usize| match &cut {
+        Some(cut) if reaching => keeps(shader, number, cut, &surface, batch, k),
+        Some(cut) => cut.tree.contains(cut.to_plane([batch.s[k], batch.t[k]].map(f64::from))),
+        None => true,
+    };
     let exact = (EXACT + border as f32).min(HALF_PIXEL);
     let quads = shader.grids[number as usize].quads;
     let [x, y] = shader.target(leaf, pixel);
@@ -127,7 +134,7 @@ fn search(shader: &Shader, number: u32, f: &Filled, behind: f32) -> Option<Hit> 
         for (k, &(_, triangle)) in starts.iter().enumerate().filter(|&(k, _)| batch.residual[k] <= exact) {
             let depth = shader.stored_depth(surface.depth_origin + batch.z[k]);
             let nearer = depth > behind && best.as_ref().is_none_or(|b| (depth, triangle) > (b.depth, b.triangle));
-            if nearer && cut.is_none_or(|cut| keeps(shader, number, &cut, &surface, &batch, k)) {
+            if nearer && belongs(&batch, k) {
                 best = Some(Hit { depth, triangle, parameters: [batch.s[k], batch.t[k]] });
             }
         }
