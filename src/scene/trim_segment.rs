@@ -9,10 +9,10 @@ use glam::{DVec3, DVec4};
 
 /// Evaluations that decide a point's side; doubles have no more bits.
 const STEPS: usize = 128;
-/// Halvings of a curve in search of monotone parts: what is left then is a 2^-20 of it, and goes as a straight line.
+/// Splits of a curve in search of monotone parts: what turns even then goes as it is, kept between its ends.
 const MAX_DEPTH: usize = 20;
-/// Differences below this share of the curve's size are rounding.
-const ROUNDING: f64 = 1e-14;
+/// Differences below this share of the curve's largest coordinate are rounding.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// A monotone piece of a trim curve, from its lower end (smaller v) to its upper.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -268,13 +268,13 @@ pub fn split(
     if curve.degree() == 1 {
         return segments.push(Segment::line(start, end, gap));
     }
-    let size = size_of(curve);
+    let size = reach_of(curve);
     let mut stack = vec![(curve.clone(), start, end, 0)];
     while let Some((part, start, end, depth)) = stack.pop() {
         let turns = [0, 1].map(|axis| turn(&part, axis, size));
         let t = match turns {
             _ if depth == MAX_DEPTH => {
-                segments.push(Segment::line(start, end, gap));
+                segments.push(curved(&part, [start, end], gap, points));
                 continue;
             }
             [Turn::None, Turn::None] => {
@@ -309,13 +309,10 @@ pub fn plane_point(p: DVec4) -> [f64; 2] {
     [p.x / p.w, p.y / p.w]
 }
 
-fn size_of(curve: &BezierCurve) -> [f64; 2] {
-    let bounds = curve
-        .points()
-        .iter()
-        .map(|&p| plane_point(p))
-        .fold(ParameterBox::EMPTY, |b, p| b.union(&ParameterBox { low: p, high: p }));
-    [0, 1].map(|k| bounds.high[k] - bounds.low[k] + f64::EPSILON * bounds.high[k].abs().max(bounds.low[k].abs()))
+/// Largest magnitude of either coordinate: what rounding goes by.
+fn reach_of(curve: &BezierCurve) -> [f64; 2] {
+    let points = curve.points().iter().map(|&p| plane_point(p));
+    points.fold([0.0; 2], |r: [f64; 2], p| [0, 1].map(|k| r[k].max(p[k].abs())))
 }
 
 /// Whether a coordinate of a curve turns round.

@@ -46,6 +46,8 @@ struct Run {
 /// Shades every drawn pixel; filled pixels that turn out to be no gap go back to N.
 pub(super) fn shade(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Filled>) {
     let exact = shader.options.refine > 0 && shader.options.fill == Fill::Stroke;
+    // Between whole patches the grids' depth decides well enough, and for nothing.
+    let doubtful = exact && shader.scene.trims.segments() > 0;
     if exact {
         settle(shader, targets, filled);
     } else if shader.options.refine > 0 {
@@ -61,7 +63,7 @@ pub(super) fn shade(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fil
             shader.group(group, words, first, &mut |pixel, surfel| {
                 parameters[pixel] = surfel.parameters;
                 color[pixel] = surfel.color;
-                if exact && shader.is_in_doubt(words[pixel], &surfel) {
+                if doubtful && shader.is_in_doubt(words[pixel], &surfel) {
                     let near = with_depth(words[pixel], surfel.depth);
                     doubts.push(Filled { pixel: first + pixel as u32, near, start: None });
                 }
