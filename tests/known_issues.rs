@@ -68,38 +68,6 @@ fn walls_end_where_they_are_hidden() {
     assert_eq!(report.covering_failures, 0, "{:?}", report.worst);
 }
 
-/// Twenty pixels of one view of this file, one of another, in rows along the edge of a plane (#58032) and its fillet:
-/// the oracle has their centres half a pixel inside the plane's loops, and the frame shows background. Not yet explained;
-/// what the trim tree says there is the first thing to look at.
-#[test]
-#[ignore = "background between faces of one file"]
-fn the_antenna_has_no_cracks() {
-    let Some(model) = real("ublox_ANN-MB-00_SMA.stp") else { return };
-    let spec = ViewSpec { size: [640, 480], view: View::Top, zoom: 8.0, ..ViewSpec::default() };
-    assert_eq!(judged_model(&model, spec).cracks, 0);
-}
-
-/// One pixel of 307,200: a steep cylinder wall meets a plane at a trimmed edge, its exact surface lies under the pixel's
-/// centre, and neither the plane's fragments nor the wall's come to be tested there. Not yet explained.
-#[test]
-#[ignore = "one pixel between a steep wall and a plane stays background"]
-fn steep_walls_meet_trimmed_planes() {
-    let Some(model) = real("so100_Wrist_Roll_08c.step") else { return };
-    let report = judged_model(&model, ViewSpec { size: [640, 480], zoom: 8.0, ..ViewSpec::default() });
-    assert_eq!(report.cracks, 0, "{:?}", report.worst);
-}
-
-/// Some twenty pixels of one view: where the depth test was in doubt, the exact search takes a point of another wall
-/// that is within 0.002 px of the centre and nearer, of which the oracle sees nothing (the wall is seen edge-on).
-/// A hit that is edge-on should not count there, where something is shown already.
-#[test]
-#[ignore = "walls seen edge-on take pixels that were in doubt"]
-fn walls_seen_edge_on_take_no_pixels() {
-    let Some(model) = real("so100_Wrist_Roll_08c.step") else { return };
-    let spec = ViewSpec { size: [640, 480], view: View::Right, zoom: 64.0, ..ViewSpec::default() };
-    assert_eq!(judged_model(&model, spec).covering_failures, 0);
-}
-
 /// Two pixels of 307,200: a face reaches over its trim by what refinement leaves (1/512 px and rounding), and where it
 /// is hidden but for a corner, a pixel centre may lie in that reach. The oracle allows 1e-4 px.
 #[test]

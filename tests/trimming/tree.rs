@@ -258,3 +258,23 @@ fn moved_lists_answer_alike() {
         }
     }
 }
+
+#[test]
+fn a_turn_near_an_end_leaves_the_curve_what_it_is() {
+    // It rises by a hair, turns and falls: far from the origin, where rounding turns it again.
+    for rise in [1e-4, 3e-6, 1e-8, 1e-11] {
+        let p = |x: f64, y: f64| (DVec2::new(x, y), 1.0);
+        let bow = curve(&[p(-11.76, 29.0), p(-12.29, 29.0 + rise), p(-12.82, 28.962), p(-13.343, 28.886)]);
+        let line = |a: [f64; 2], b: [f64; 2]| curve(&[p(a[0], a[1]), p(b[0], b[1])]);
+        let (a, b, c, d) = ([-11.76, 29.0], [-13.343, 28.886], [-13.343, -29.0], [-11.76, -29.0]);
+        let bow_curve = bow.curve.clone();
+        let face = Loop { curves: vec![bow, line(b, c), line(c, d), line(d, a)] };
+        let mut trims = Trims::default();
+        let tree = trims.add(&[face]);
+        for k in 1..200 {
+            let q = bow_curve.position(f64::from(k) / 200.0);
+            let tree = trims.tree(tree);
+            assert!(tree.contains([q.x, q.y - 1e-9]) && !tree.contains([q.x, q.y + 1e-9]), "{rise:e} {q}");
+        }
+    }
+}
