@@ -2,7 +2,6 @@
 
 mod bezierview;
 mod bpt;
-#[allow(dead_code)]
 mod brep;
 pub mod builtin;
 mod formats;
