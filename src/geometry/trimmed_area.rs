@@ -45,6 +45,8 @@ struct Sheet<'a> {
     map: DMat3,
     /// Heights at which it lies.
     range: [f64; 2],
+    /// Where tiles begin and end in u and in v, sorted: g may jump there.
+    borders: [Vec<f64>; 2],
     /// Of F, relative.
     error: f64,
 }
@@ -64,7 +66,13 @@ impl<'a> Sheet<'a> {
         if low >= high || tiles.is_empty() {
             return None;
         }
-        let mut sheet = Self { cells: Vec::with_capacity(tiles.len()), map, range: [low, high], error: 0.0 };
+        let borders = [0, 1].map(|axis| {
+            let mut ends: Vec<f64> = tiles.iter().flat_map(|t| t.domain[axis]).collect();
+            ends.sort_unstable_by(f64::total_cmp);
+            ends.dedup();
+            ends
+        });
+        let mut sheet = Self { cells: Vec::with_capacity(tiles.len()), map, range: [low, high], borders, error: 0.0 };
         for &tile in tiles {
             let mut strip = Strip { tile, constant: constant(&tile, map), cells: 1 };
             if strip.constant.is_none() {
@@ -97,8 +105,11 @@ impl<'a> Sheet<'a> {
             GAUSS.iter().map(node).sum::<f64>() * (b - a)
         };
         // A curve and its parts: range, and what one rule says of it.
-        let mut work: Vec<(&BezierCurve, [f64; 2], f64)> =
-            outline.iter().map(|&curve| (curve, [0.0, 1.0], rule(curve, [0.0, 1.0]))).collect();
+        let mut work: Vec<(&BezierCurve, [f64; 2], f64)> = outline
+            .iter()
+            .flat_map(|&curve| self.smooth_parts(curve).into_iter().map(move |part| (curve, part)))
+            .map(|(curve, part)| (curve, part, rule(curve, part)))
+            .collect();
         let rough: f64 = work.iter().map(|w| w.2.abs()).sum();
         let allowed = tolerance * rough / outline.len() as f64;
         let mut sum = Estimate { value: 0.0, error: self.error * rough };
@@ -117,6 +128,22 @@ impl<'a> Sheet<'a> {
             }
         }
         sum
+    }
+}
+
+impl Sheet<'_> {
+    /// A straight line between its crossings of tile borders; other curves cross none where g jumps.
+    fn smooth_parts(&self, curve: &BezierCurve) -> Vec<[f64; 2]> {
+        let (a, b) = (curve.position(0.0), curve.position(1.0));
+        let mut cuts = vec![0.0, 1.0];
+        if curve.degree() == 1 && curve.points()[0].w == curve.points()[1].w {
+            for (borders, a, b) in [(&self.borders[0], a.x, b.x), (&self.borders[1], a.y, b.y)] {
+                let inside = |v: &&f64| a.min(b) < **v && **v < a.max(b);
+                cuts.extend(borders.iter().filter(inside).map(|v| (v - a) / (b - a)));
+            }
+            cuts.sort_unstable_by(f64::total_cmp);
+        }
+        cuts.windows(2).map(|w| [w[0], w[1]]).filter(|[from, to]| from < to).collect()
     }
 }
 
