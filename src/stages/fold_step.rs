@@ -11,7 +11,7 @@ use fearless_simd::{f32x8, mask32x8, prelude::*};
 use fearless_simd_macros::simd;
 
 /// Squared ratio of the singular values below which the map counts as nearly singular.
-const NEAR_FOLD: f32 = 1.0 / 16.0;
+pub(super) const NEAR_FOLD: f32 = 1.0 / 16.0;
 /// Leaf parameters that a parabola is trusted for.
 const FAR: f32 = 0.25;
 const TINY: f32 = 1e-30;

@@ -1,7 +1,7 @@
 //! Refinement: from a pixel's interpolated parameter to the exact surface point under its centre, eight pixels of one
 //! leaf at a time (DESIGN section 4, "Refinement"; research "crack-closing", section 2, rule 6).
 
-use super::fold_step::{FoldStep, fold_step, shorten, trial};
+use super::fold_step::{FoldStep, NEAR_FOLD, fold_step, shorten, trial};
 use fearless_simd::{f32x8, mask32x8, prelude::*};
 use fearless_simd_macros::simd;
 use glam::Vec4;
@@ -92,14 +92,17 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
         let before = residual;
         let depth = point.z;
         let slack = slope_allowance(simd, surface, &point, x, y);
-        let ([mut ns, mut nt], mut fold) = step(simd, surface, &point, s, t, x, y);
+        let ([mut ns, mut nt], mut fold) = step(simd, surface, &point, open, [s, t], [x, y]);
         let mut pending = open;
         for halving in 0..=if surface.any_sheet { SEARCH_HALVINGS } else { HALVINGS } {
             let next = evaluate::<S, N>(simd, surface, &cubic, ns, nt);
             let (rx, ry) = (x - next.x, y - next.y);
             let r = rx.abs().max(ry.abs());
             // Near a fold the next trial knows the curvature: what gains little waits for it.
-            let enough = if halving < PARABOLAS { fold.near.select(residual * 0.5, residual) } else { residual };
+            let enough = match &fold {
+                Some(fold) if halving < PARABOLAS => fold.near.select(residual * 0.5, residual),
+                _ => residual,
+            };
             // Another sheet, or the other side of a silhouette, is not this pixel's surface.
             let same_side = (jacobian(simd, &next) * facing).simd_ge(f32x8::splat(simd, 0.0));
             let same_sheet = (next.z - depth).abs().simd_le(slack);
@@ -115,10 +118,14 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
             if !pending.any_true() {
                 break;
             }
-            fold = shorten(simd, fold, rx, ry, halving < PARABOLAS);
-            let folded = trial(simd, &fold, surface);
-            ns = pending.select(fold.near.select(folded[0], (s + ns) * 0.5), ns);
-            nt = pending.select(fold.near.select(folded[1], (t + nt) * 0.5), nt);
+            let mut half = [(s + ns) * 0.5, (t + nt) * 0.5];
+            if let Some(last) = fold {
+                let shorter = shorten(simd, last, rx, ry, halving < PARABOLAS);
+                half = beside_fold(simd, &shorter, surface, half);
+                fold = Some(shorter);
+            }
+            ns = pending.select(half[0], ns);
+            nt = pending.select(half[1], nt);
         }
         round += 1;
         // Past the regular rounds only those go on that still get somewhere.
@@ -157,17 +164,24 @@ fn slope_allowance<S: Simd>(simd: S, surface: &Surface, p: &Point<S>, x: f32x8<S
     along * 2.0 + surface.depth_tolerance
 }
 
-/// One damped Gauss-Newton step, clamped to the patch; where one parameter meets its end the other is solved again.
+/// The trial of a fold step where it is needed, else `plain`.
+#[simd]
+fn beside_fold<S: Simd>(simd: S, fold: &FoldStep<S>, surface: &Surface, plain: [f32x8<S>; 2]) -> [f32x8<S>; 2] {
+    let folded = trial(simd, fold, surface);
+    [fold.near.select(folded[0], plain[0]), fold.near.select(folded[1], plain[1])]
+}
+
+/// One damped Gauss-Newton step, clamped to the patch; where one parameter meets its end the other is solved again. With
+/// what is needed beside a fold, where an open lane may be there.
 #[simd]
 fn step<S: Simd>(
     simd: S,
     surface: &Surface,
     p: &Point<S>,
-    s: f32x8<S>,
-    t: f32x8<S>,
-    x: f32x8<S>,
-    y: f32x8<S>,
-) -> ([f32x8<S>; 2], FoldStep<S>) {
+    open: mask32x8<S>,
+    [s, t]: [f32x8<S>; 2],
+    [x, y]: [f32x8<S>; 2],
+) -> ([f32x8<S>; 2], Option<FoldStep<S>>) {
     let (rx, ry) = (x - p.x, y - p.y);
     let (a, b) = (p.ds[0], p.ds[1]);
     let (c, d) = (p.dt[0], p.dt[1]);
@@ -197,10 +211,14 @@ fn step<S: Simd>(
     let left = |ds: f32x8<S>, dt: f32x8<S>| (rx - a * ds - c * dt).abs().max((ry - b * ds - d * dt).abs());
     let hold_s = s_met & (!t_met | left(ks - s, ts - t).simd_le(left(st - s, kt - t)));
     let hold_t = t_met & !hold_s;
-    let fold = fold_step(simd, surface, [[a, b], [c, d]], [ds, dt], [s, t], [rx, ry]);
-    let folded = trial(simd, &fold, surface);
     let plain = [hold_t.select(st, ks), hold_s.select(ts, kt)];
-    ([fold.near.select(folded[0], plain[0]), fold.near.select(folded[1], plain[1])], fold)
+    // The trace bounds the larger eigenvalue that `near` asks about.
+    let maybe_near = open & (exact * exact).simd_lt((aa + cc) * (aa + cc) * NEAR_FOLD);
+    if !maybe_near.any_true() {
+        return (plain, None);
+    }
+    let fold = fold_step(simd, surface, [[a, b], [c, d]], [ds, dt], [s, t], [rx, ry]);
+    (beside_fold(simd, &fold, surface, plain), Some(fold))
 }
 
 #[simd]
