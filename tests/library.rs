@@ -66,7 +66,7 @@ fn assembly() -> Model {
     }
     model.instances[1].name = "stand/ball 1".into();
     let transform = DAffine3::from_translation(DVec3::X);
-    model.instances.push(Instance { part: 1, transform, name: "stand/ball 2".into(), color: None });
+    model.instances.push(Instance { part: 1, transform, name: "stand/ball 2".into(), ..Instance::default() });
     model
 }
 

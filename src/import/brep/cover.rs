@@ -19,10 +19,7 @@ pub(super) fn closed_rings<'a>(
 ) -> Result<Vec<Ring<'a>>, BrepError> {
     let (winding, mut holes): (Vec<_>, Vec<_>) = rings.into_iter().partition(|ring| ring.winding != [0, 0]);
     // A seam walked both ways and nothing else bounds nothing.
-    holes.retain(|ring| {
-        let [low, high] = ring.bounds();
-        ring.area().abs() > 1e-12 * (high - low).element_product() && ring.area() != 0.0
-    });
+    holes.retain(Ring::bounds_something);
     let mut closed = if winding.is_empty() {
         let Some(largest) = largest(&holes) else { return Ok(Vec::new()) };
         if holes[largest].area() < 0.0 && is_closed(chart) {

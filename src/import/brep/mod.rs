@@ -8,12 +8,13 @@ mod cover;
 mod fit;
 mod pcurve;
 mod ring;
+mod section;
 #[cfg(test)]
 mod tests;
 mod trace;
 
 use crate::geometry::{Chart, CurveForm, CurveSpan, GeometryError, SurfaceForm};
-use crate::model::{Face, Loop, SurfaceKind, TrimCurve};
+use crate::model::{Face, Loop, Surface, SurfaceKind, TrimCurve};
 use cover::{Rectangle, closed_rings, whole_about};
 use fit::Fitter;
 use glam::{DVec2, DVec3};
@@ -162,15 +163,16 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
     if !area.iter().flatten().all(|t| t.is_finite()) {
         return Err(BrepError::Unbounded);
     }
-    let surface = chart.patches(area)?.into();
-    let mut fitter = Fitter { chart: &chart, axes: chart.axes(area), scale: &scale, worst: 0.0, first: 0 };
+    let surface: Surface = chart.patches(area)?.into();
+    let mut fitter = Fitter::new(&chart, area, &surface.patches, &scale);
     let loops = rings.iter().map(|ring| {
         let mut curves = Vec::with_capacity(ring.paths.len());
         ring.paths.iter().for_each(|path| fitter.curves(path, &mut curves));
         Loop { curves }
     });
     let loops: Vec<Loop> = loops.filter(|l| !l.curves.is_empty()).collect();
-    note_gaps(source, &chart, &rings, &loops, fitter.worst, &mut warnings);
+    let Fitter { worst, approximation, .. } = fitter;
+    note_gaps(source, &chart, &rings, &loops, worst, &mut warnings);
     let loops = if is_whole(&loops, area, scale.straight) { Vec::new() } else { loops };
     let FaceSource { id, name, color, kind, reversed, .. } = source;
     let face = Face {
@@ -181,6 +183,7 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
         surface,
         loops: loops.into(),
         reversed: *reversed,
+        approximation,
     };
     Ok(Built { face, warnings })
 }
