@@ -86,11 +86,15 @@ fn parts_are_selected_by_name_instance_and_number() {
     assert_eq!(kept("stand"), ("Kugel Kugel".into(), ball));
     assert_eq!(kept("teapot"), ("teapot".into(), 32));
     assert_eq!(kept("#1003"), ("teapot".into(), 1));
-    assert_eq!(assembly().select("#5").unwrap_err(), PartError::NoEntity { id: "5".into() });
-    assert_eq!(assembly().select("#0").unwrap_err(), PartError::NoEntity { id: "0".into() });
-    assert_eq!(assembly().select("#x").unwrap_err(), PartError::NoEntity { id: "x".into() });
-    let error = assembly().select("handle").unwrap_err().to_string();
-    assert!(error.contains("Kugel, teapot"), "{error}");
+    let near = "near it are: #10 (teapot), #20 (Kugel)";
+    for id in ["5", "0", "x"] {
+        let expected = PartError::NoEntity { id: id.into(), near: near.into() };
+        assert_eq!(assembly().select(&format!("#{id}")).unwrap_err(), expected);
+    }
+    let error = assembly().select("kettle of tea").unwrap_err().to_string();
+    assert!(error.contains("there are: Kugel, ball 1, ball 2, "), "{error}");
+    let error = assembly().select("teapod").unwrap_err().to_string();
+    assert!(error.contains("near it are: teapot"), "{error}");
 }
 
 #[test]

@@ -273,6 +273,7 @@ def _(s):
 
 @case("zero_length_edge", "A rectangle with an edge of length zero")
 def _(s):
+    s.warnings = ["an edge of no length is left out"]
     corners = [(0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (4.0, 3.0, 0.0), (0.0, 3.0, 0.0)]
     edges = [s.line_edge(a, b) for a, b in zip(corners, corners[1:] + corners[:1])]
     edges.insert(1, s.edge(corners[1], corners[1], s.line(corners[0], corners[1])))
@@ -281,6 +282,7 @@ def _(s):
 
 @case("tiny_gaps", "Edges that miss their vertices by a hundred-thousandth")
 def _(s):
+    s.warnings = ["edges of a loop miss each other"]
     corners = [(0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (4.0, 3.0, 0.0), (0.0, 3.0, 0.0)]
     shift = lambda p: plus(p, (1e-5, (1.0, 1.0, 0.0)))
     edges = [s.edge(a, b, s.line(shift(a), shift(b))) for a, b in zip(corners, corners[1:] + corners[:1])]
@@ -320,6 +322,7 @@ def _(s):
 
 @case("cylinder_oblique", "A cylinder cut by a plane at 45 degrees: an elliptic edge")
 def _(s):
+    s.exact = True
     low = s.arc_edge(ORIGIN, Z, X, 3.0)
     top = (3.0, 0.0, 8.0)
     axis = s.axis((0.0, 0.0, 5.0), (-1.0, 0.0, 1.0), (1.0, 0.0, 1.0))
@@ -529,6 +532,7 @@ def _(s):
 
 @case("offset_bspline", "An offset of a B-spline surface, bare: it can only be approximated")
 def _(s):
+    s.warnings = ["the offset surface is fitted to within"]
     net = [[(x, y, 0.0), (x, y, 2.0)] for x, y in ((0.0, 0.0), (0.5, 0.0), (1.0, 1.0))]
     base = s.bspline_surface((2, 1), net, ([3, 3], [2, 2]), ([0.0, 1.0], [0.0, 2.0]))
     # The normal T x Z points to the outside of the bend, where the length grows by the turning angle.

@@ -162,6 +162,7 @@ def _(s):
 
 @case("cone_sections", "A cone cut by planes: in an ellipse, a parabola and a hyperbola")
 def _(s):
+    s.exact = True
     # Half angle 30 degrees, apex at the origin: areas are those seen along the axis over sin 30 degrees.
     angle = pi / 6
     k, height = 1 / tan(angle), 10.0
@@ -210,6 +211,7 @@ def _(s):
 
 @case("cylinder_sections", "A cylinder between two oblique planes, whole and in part, and one cut by a slanted window")
 def _(s):
+    s.exact = True
     # z = 2 x / 3 below, z = 6 - x / 3 + y / 2 above; radius 3.
     surface = s.elementary("CYLINDRICAL_SURFACE", 3.0)
     height = lambda plane, x, y: plane[0] + plane[1] * x + plane[2] * y
@@ -240,6 +242,7 @@ def _(s):
 
 @case("extrusion_sections", "Extrusions cut by oblique planes: of a circle, and of a B-spline")
 def _(s):
+    s.exact = True
     vector = s.entity(f"VECTOR('',{s.direction(Z)},1.)")
     tube = s.entity(f"SURFACE_OF_LINEAR_EXTRUSION('',{s.circle(ORIGIN, Z, X, 3.0)},{vector})")
     ring = s.arc_edge(ORIGIN, Z, X, 3.0)

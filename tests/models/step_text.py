@@ -60,6 +60,8 @@ class Step:
         self.warnings = []
         # Faces that are hidden, and curves that no face has.
         self.hidden, self.lone_curves = 0, 0
+        # No trim curve is an approximation.
+        self.exact = False
 
     def entity(self, text):
         self.records.append(text)
@@ -209,7 +211,7 @@ class Step:
             "note": self.note, "faces": unique * self.instances, "unique_faces": unique,
             "area": factor * sum(areas.values()), "relative_tolerance": self.tolerance,
             "areas": areas, "bounds": self.bounds, "warnings": self.warnings, "hidden": self.hidden,
-            "lone_curves": self.lone_curves,
+            "lone_curves": self.lone_curves, "exact": self.exact,
         }
 
 

@@ -4,12 +4,14 @@ use super::chart::{local, wrap, wrap_axis};
 use super::{CurveSpan, SurfaceForm};
 use crate::geometry::{BezierPatch, NurbsSurface, PatchPiece, exact::Frame};
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering as AtomicOrdering};
 use std::{cmp::Ordering, collections::BinaryHeap, f64::consts::TAU};
 
 /// Gauss-Newton takes 4 or 5 steps from a good start; more than this is a start in the wrong place.
 const MAX_STEPS: usize = 40;
 
-/// Boxes that branch and bound looks into before it is content with what it has.
+/// Boxes that branch and bound looks into before it is content with what it has, which [`NetSearch::open`] counts.
 const MAX_BOXES: usize = 500;
 
 /// Nearest points of a NURBS surface.
@@ -19,6 +21,7 @@ pub(super) struct NetSearch {
     periods: [Option<f64>; 2],
     pieces: Vec<PatchPiece>,
     boxes: Vec<[DVec3; 2]>,
+    open: Arc<AtomicUsize>,
 }
 
 /// A parameter rectangle whose points are all at least `distance` away.
@@ -66,7 +69,12 @@ impl NetSearch {
     pub fn new(surface: &NurbsSurface, periods: [Option<f64>; 2]) -> Self {
         let pieces = surface.bezier_pieces();
         let boxes = pieces.iter().map(|piece| hull_box(&piece.patch)).collect();
-        Self { surface: surface.clone(), periods, pieces, boxes }
+        Self { surface: surface.clone(), periods, pieces, boxes, open: Arc::default() }
+    }
+
+    /// Searches that ended without knowing that nothing is nearer.
+    pub fn open(&self) -> usize {
+        self.open.load(AtomicOrdering::Relaxed)
     }
 
     pub fn pieces(&self) -> &[PatchPiece] {
@@ -130,9 +138,13 @@ impl NetSearch {
             let distance = box_distance(*bounds, point);
             heap.push(Candidate { distance, patch: None, piece, domain: self.pieces[piece].domain });
         }
-        for _ in 0..MAX_BOXES {
+        for looked in 0.. {
             let Some(candidate) = heap.pop() else { break };
             if candidate.distance >= best.1 * 0.999 || best.1 <= accept {
+                break;
+            }
+            if looked == MAX_BOXES {
+                self.open.fetch_add(1, AtomicOrdering::Relaxed);
                 break;
             }
             let found = self.descend(point, middle(candidate.domain));

@@ -134,7 +134,9 @@ impl<'b> Fitter<'b> {
                     self.fit(image, [middle, b], [p, ends[1]], depth + 1, out);
                     return;
                 }
-                self.worst = self.worst.max(off);
+                if off > tolerance {
+                    self.worst = self.worst.max(off);
+                }
                 self.note(off);
                 octic
             }

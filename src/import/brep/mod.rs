@@ -80,7 +80,16 @@ pub(crate) enum BrepError {
     Winding { u: i32, v: i32 },
     #[error("a loop that winds around the surface has no partner to bound the face with")]
     NoPartner,
+    #[error("a loop goes more than {MAX_TURNS} times around the surface")]
+    Turns,
+    #[error("a seam crosses an edge more than {MAX_CUTS} times")]
+    Cuts,
 }
+
+/// Periods that a loop may lie from where the surface begins: copies of patches and loops are made for each.
+const MAX_TURNS: f64 = 100.0;
+/// Cuts of one part of an edge.
+const MAX_CUTS: usize = 1000;
 
 /// Lengths that decide, in space.
 #[derive(Clone, Copy, Debug)]
@@ -154,6 +163,9 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
             rings.extend(Ring::new(&chart, &scale, edges));
         }
     }
+    if rings.iter().any(|ring| is_far(&chart, ring)) {
+        return Err(BrepError::Turns);
+    }
     let mut rings = closed_rings(&chart, rings, &mut warnings)?;
     rings.iter_mut().for_each(|ring| ring.join(&chart, &scale));
     let area = match area(&chart, &rings) {
@@ -188,6 +200,19 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
     Ok(Built { face, warnings })
 }
 
+/// Whether a ring lies too many periods from the surface's own domain.
+fn is_far(chart: &Chart, ring: &Ring) -> bool {
+    let [low, high] = ring.bounds();
+    let limits = chart.form().limits();
+    (0..2).any(|axis| {
+        let Some(period) = chart.periods()[axis] else { return false };
+        let start = if limits[axis][0].is_finite() { limits[axis][0] } else { 0.0 };
+        let turns = [low[axis], high[axis]].map(|t| ((t - start) / period).abs());
+        // Also true for what is no number.
+        !turns.iter().all(|&turns| turns < MAX_TURNS)
+    })
+}
+
 /// Edges that name themselves in a warning; the rest are counted.
 const NAMED_EDGES: usize = 4;
 
@@ -196,6 +221,10 @@ fn note_gaps(source: &FaceSource, chart: &Chart, rings: &[Ring], loops: &[Loop],
     let tolerance = source.tolerance;
     if let Some(error) = chart.error() {
         warnings.push(format!("the offset surface is fitted to within {error:.2e} mm"));
+    }
+    if chart.unproved() > 0 {
+        let count = chart.unproved();
+        warnings.push(format!("{count} points of edges may have nearer ones on the surface: the search ended first"));
     }
     let bridged = rings.iter().map(|ring| ring.bridged).fold(0.0, f64::max);
     if bridged > tolerance {

@@ -65,6 +65,11 @@ pub(super) fn parse(bytes: &[u8], origin: &Origin) -> Result<Model, ParseError> 
     }
     let styles = styles::Styles::new(&file);
     let mut assembly = assembly::assemble(&file, &styles);
+    if let [first, ..] = styles.partial[..] {
+        let count = styles.partial.len();
+        let message = format!("#{first}: {count} styles colour single faces of one component alone: not shown");
+        warnings.push(Warning { entity: Some(first), message });
+    }
     let mut model = Model { name: origin.name.clone(), unit: Some("mm".into()), warnings, ..Model::default() };
     model.warnings.append(&mut assembly.warnings);
     model.lost.append(&mut assembly.lost);
@@ -97,6 +102,10 @@ fn syntax_warnings(text: &[u8], scanned: &Scanned) -> Vec<Warning> {
     let more = scanned.error_count - scanned.errors.len();
     if more > 0 {
         warnings.push(Warning { entity: None, message: format!("{more} more errors like these") });
+    }
+    if scanned.elsewhere > 0 {
+        let message = format!("{} entities stand in other files and are not read (REFERENCE)", scanned.elsewhere);
+        warnings.push(Warning { entity: None, message });
     }
     if !scanned.ended {
         let (line, column) = place_of(text, text.len());

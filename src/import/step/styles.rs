@@ -15,6 +15,8 @@ pub(super) struct Styles {
     /// Of the relationship that places a part, for a style in that context only.
     contexts: HashMap<u32, [f32; 3]>,
     hidden: HashSet<u32>,
+    /// Styles of single faces in one place of their part only, which are not shown.
+    pub partial: Vec<u32>,
 }
 
 #[derive(Clone, Copy)]
@@ -42,6 +44,11 @@ impl Styles {
             let Some(color) = assigned.into_iter().find_map(|style| color_of(file, style, 0)) else { continue };
             let Some(item) = args.optional_reference() else { continue };
             if entity.kind == Kind::ContextDependentOverRidingStyledItem {
+                // Instances have one colour: their faces can't differ from those of the part.
+                if file.get(item).is_ok_and(|entity| matches!(entity.kind, Kind::AdvancedFace | Kind::FaceSurface)) {
+                    styles.partial.push(entity.id);
+                    continue;
+                }
                 let contexts = args.skip(1).references().unwrap_or_default();
                 styles.contexts.extend(contexts.into_iter().map(|context| (context, color)));
                 continue;
