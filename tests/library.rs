@@ -191,7 +191,7 @@ fn one_part_is_looked_at_alone() {
     assert!(faces.iter().all(|f| f["surface"].is_string() && f["area_relative_error"].is_number()));
     let (one, _) = json(&["info", "builtin:teapot", "--part", "#5", "--json", "--faces"]);
     assert_eq!((&one["faces"], &one["face_list"][0]["entity"]), (&1.into(), &5.into()));
-    assert!(fails(&["info", "builtin:teapot", "--part", "lid of gold"], 1).contains("there is no part named"));
+    assert!(fails(&["info", "builtin:teapot", "--part", "lid of gold"], 1).contains("named \"lid of gold\""));
     let table = String::from_utf8_lossy(&halfpixel(&["info", "builtin:teapot", "--faces"]).stdout).into_owned();
     assert!(table.contains("#31 bezier, 1 patches, 0 loops"), "{table}");
 }

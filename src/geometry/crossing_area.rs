@@ -51,6 +51,8 @@ fn cross_each_other([a, b]: &[DVec2; 2], [c, d]: &[DVec2; 2]) -> bool {
 struct Rise {
     curve: BezierCurve,
     range: [f64; 2],
+    /// A box's u.
+    across: [f64; 2],
 }
 
 /// Positive weights and control points in order make a curve monotone (variation diminution).
@@ -65,7 +67,9 @@ fn rises(curve: BezierCurve, halvings: usize, out: &mut Vec<Rise>) {
     }
     let [a, b] = [heights[0], heights[heights.len() - 1]];
     if a != b {
-        out.push(Rise { range: [a.min(b), a.max(b)], curve });
+        let places = curve.points().iter().map(|p| p.x / p.w);
+        let across = places.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], u| [low.min(u), high.max(u)]);
+        out.push(Rise { range: [a.min(b), a.max(b)], across, curve });
     }
 }
 
@@ -90,11 +94,40 @@ impl Rise {
     }
 }
 
+/// Heights where parts of outlines cross: rows have kinks there. Sought between as many rows as a quartic needs.
+fn crossings(parts: &[Rise]) -> Vec<f64> {
+    let mut heights = Vec::new();
+    for (k, part) in parts.iter().enumerate() {
+        for other in &parts[k + 1..] {
+            let [low, high] = [part.range[0].max(other.range[0]), part.range[1].min(other.range[1])];
+            if low >= high || part.across[0] > other.across[1] || other.across[0] > part.across[1] {
+                continue;
+            }
+            let apart = |v: f64| part.across(v) - other.across(v);
+            let row = |k: usize| low + (high - low) * (k as f64 / SAMPLES as f64);
+            for k in 0..SAMPLES {
+                let [mut a, mut b] = [row(k), row(k + 1)];
+                let below = apart(a) < 0.0;
+                if below == (apart(b) < 0.0) {
+                    continue;
+                }
+                for _ in 0..60 {
+                    let middle = 0.5 * (a + b);
+                    if (apart(middle) < 0.0) == below { a = middle } else { b = middle }
+                }
+                heights.push(0.5 * (a + b));
+            }
+        }
+    }
+    heights
+}
+
 /// The area inside an odd number of outlines, to about `tolerance` of it.
 pub(super) fn odd_even(sheet: &Sheet, outlines: &[Outline], tolerance: f64) -> Estimate {
     let mut parts = Vec::new();
     outlines.iter().flatten().for_each(|curve| rises((*curve).clone(), 0, &mut parts));
-    let mut stops: Vec<f64> = parts.iter().flat_map(|part| part.range).chain(sheet.rows()).collect();
+    let ends = parts.iter().flat_map(|part| part.range);
+    let mut stops: Vec<f64> = ends.chain(crossings(&parts)).chain(sheet.rows()).collect();
     stops.sort_by(f64::total_cmp);
     stops.dedup();
     let row = |v: f64| {

@@ -129,7 +129,8 @@ def _(s):
     other = s.face(s.plane(up(ORIGIN)), [s.loop("-" + edges[0], "-" + edges[1])], 4.5 * pi + 4.0)
     # One closed composite curve, used from a vertex that is not where it starts.
     square = composite(s, [polyline(s, (0.0, 0.0, 9.0), (2.0, 0.0, 9.0), (2.0, 2.0, 9.0)),
-                           "-" + polyline(s, (0.0, 0.0, 9.0), (0.0, 2.0, 9.0), (2.0, 2.0, 9.0))])
+                           "-" + polyline(s, (0.0, 0.0, 9.0), (0.0, 2.0, 9.0), (2.0, 2.0, 9.0))],
+                       "COMPOSITE_CURVE_ON_SURFACE")
     corner = (2.0, 0.0, 9.0)
     closed = s.face(s.plane((0.0, 0.0, 9.0)), [s.loop(s.edge(corner, corner, square))], 4.0)
     # Around a cylinder: four arcs, two of them reversed.

@@ -347,7 +347,7 @@ def _(s):
         shape = s.represent("SHAPE_REPRESENTATION", [], context)
         parts.append((s.product(name, shape), shape))
         external(s, name, parts[-1][0])
-    places = [s.axis((10.0, 0.0, 0.0)), s.axis((0.0, 10.0, 0.0)), s.axis((0.0, 0.0, 10.0))]
+    places = [s.axis((0.2, 0.0, 0.0)), s.axis((0.0, 0.2, 0.0)), s.axis((0.0, 0.0, 0.2))]
     whole = s.represent("SHAPE_REPRESENTATION", places, context)
     whole = s.product("whole", whole), whole
     for place, part in zip(places, (parts[0], parts[0], parts[1])):
@@ -356,5 +356,5 @@ def _(s):
     box_faces(cube, 2.0)
     # Inches here, millimetres there.
     s.areas, s.instances = cube.areas, 2
-    s.bounds = [[0.0, 0.0, 0.0], [256.0, 256.0, 2.0]]
+    s.bounds = [[0.0, 0.0, 0.0], [7.08, 7.08, 2.0]]
     s.warnings = ["not_there.step"]

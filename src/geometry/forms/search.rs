@@ -57,6 +57,13 @@ fn box_distance([low, high]: [DVec3; 2], point: DVec3) -> f64 {
     (point - point.clamp(low, high)).length()
 }
 
+/// How far the hull is at least, along the direction from it to the point: of a small patch that leans much nearer to
+/// the truth than its box.
+fn slab_distance(patch: &BezierPatch, point: DVec3) -> f64 {
+    let Some(toward) = (point - patch.net().position(0.5, 0.5)).try_normalize() else { return 0.0 };
+    patch.net().hull().map(|p| toward.dot(point - p)).fold(f64::INFINITY, f64::min)
+}
+
 fn hull_box(patch: &BezierPatch) -> [DVec3; 2] {
     let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     for p in patch.net().hull() {
@@ -162,7 +169,7 @@ impl NetSearch {
             for (half, patch) in patch.net().split(axis, 0.5).into_iter().enumerate() {
                 let mut part = candidate.domain;
                 part[axis][1 - half] = 0.5 * (part[axis][0] + part[axis][1]);
-                let distance = box_distance(hull_box(&patch), point);
+                let distance = box_distance(hull_box(&patch), point).max(slab_distance(&patch, point));
                 if distance < best.1 {
                     heap.push(Candidate { distance, patch: Some(patch), piece: candidate.piece, domain: part });
                 }

@@ -6,6 +6,7 @@ mod bands;
 mod clip;
 mod cover;
 mod fit;
+mod flat;
 mod pcurve;
 mod ring;
 mod section;

@@ -34,7 +34,11 @@ fn add(
     file: &str,
     uses: &[External],
 ) {
-    let Model { parts: other_parts, instances, warnings, lost, unshown, aliases, .. } = other;
+    let Model { parts: other_parts, instances, unit, warnings, lost, unshown, aliases, .. } = other;
+    if unit.as_deref() != Some("mm") {
+        let message = format!("{file}: names no millimetres: its numbers are taken for these");
+        model.warnings.push(Warning { entity: None, message });
+    }
     let named = |w: Warning| Warning { message: format!("{file}: {}", w.message), ..w };
     model.warnings.extend(warnings.into_iter().map(named));
     model.lost.extend(lost.into_iter().map(named));
