@@ -2,6 +2,7 @@
 
 use crate::compose::{Text, Units, file, list, one_box};
 use crate::{clean, faces, model, parse};
+use halfpixel::import::load;
 
 #[test]
 fn hidden_places_of_a_part_are_counted_and_others_shown() {
@@ -101,15 +102,40 @@ fn references_to_other_files_are_counted() {
     assert!(found.warnings[0].message.contains("2 entities stand in other files"), "{:?}", found.warnings);
 }
 
-#[test]
-fn bytes_without_a_file_open_no_other_one() {
+/// A box, and a product whose shape stands in another file.
+fn referring(file: &str) -> String {
     let mut text = one_box();
     let context = text.context(Units::Millimetres);
     let empty = text.representation(&[], context);
     let definition = text.product("elsewhere", empty);
-    let document = text.add("DOCUMENT_FILE('Cargo.step','','',$,'',$)");
+    let document = text.add(format_args!("DOCUMENT_FILE('{file}','','',$,'',$)"));
     text.add(format_args!("APPLIED_DOCUMENT_REFERENCE(#{document},'',(#{definition}))"));
-    let found = model(&text.file());
+    text.file()
+}
+
+#[test]
+fn files_that_refer_to_each_other_end() {
+    let folder = std::env::temp_dir().join(format!("halfpixel-references-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a temporary folder");
+    // Names may be those of another system, and only files beside the first one are opened.
+    let files = [("a.step", r"C:\\parts\\B.STEP"), ("b.step", "../c.stp"), ("c.stp", "a.step")];
+    for (name, to) in files {
+        std::fs::write(folder.join(name), referring(to)).expect("a temporary file");
+    }
+    let found = load(&folder.join("a.step").to_string_lossy());
+    std::fs::remove_dir_all(&folder).expect("removed");
+    let found = found.expect("a model");
+    assert_eq!((found.instances.len(), faces(&found).len()), (3, 18));
+    let names: Vec<&str> = found.instances.iter().map(|i| i.name.as_str()).collect();
+    assert!(names.iter().any(|name| name.matches("elsewhere").count() == 2), "{names:?}");
+    assert_eq!(found.warnings.len(), 1, "{:?}", found.warnings);
+    let message = &found.warnings[0].message;
+    assert!(message.contains("c.stp: #") && message.ends_with("a.step, which refers to itself"), "{message}");
+}
+
+#[test]
+fn bytes_without_a_file_open_no_other_one() {
+    let found = model(&referring("Cargo.step"));
     let message = &found.warnings[0].message;
     assert!(message.contains("\"elsewhere\"") && message.contains("Cargo.step, which is not looked for"), "{message}");
 }
