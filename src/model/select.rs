@@ -27,53 +27,53 @@ impl Model {
     ///
     /// # Errors
     /// Where there is no such thing: with what is there, the nearest first.
-    pub fn select(self, part: &str) -> Result<Model, PartError> {
+    pub fn select(mut self, part: &str) -> Result<Model, PartError> {
         let Some(id) = part.strip_prefix('#') else { return self.select_named(part) };
-        let missing =
-            |model: &Model, number| PartError::NoEntity { id: id.to_owned(), near: model.near_number(number) };
-        match id.parse::<u32>() {
-            Ok(number) if number != 0 => self.select_number(number).map_err(|model| missing(&model, number)),
+        let found = match id.parse::<u32>() {
+            Ok(number) if number != 0 => self.keep_number(number),
             // No file numbers anything so; the built-in models number their faces from 0.
-            Ok(number) => self.keep_faces(&|_| None, &|face| face.id == number).map_err(|m| missing(&m, number)),
-            Err(_) => Err(missing(&self, 0)),
+            Ok(number) => self.keep_faces(&|_| None, &|face| face.id == number),
+            Err(_) => false,
+        };
+        if found {
+            return Ok(self);
         }
+        let near = self.near_number(id.parse().unwrap_or(0));
+        Err(PartError::NoEntity { id: id.to_owned(), near })
     }
 
-    fn select_number(self, number: u32) -> Result<Model, Model> {
+    fn keep_number(&mut self, number: u32) -> bool {
         let alias = self.aliases.iter().find(|alias| alias[0] == number).map_or(number, |alias| alias[1]);
         if self.instances.iter().any(|i| self.parts[i.part].id == alias || i.path.contains(&alias)) {
-            return Ok(self.keep(|part, _, path| part.id == alias || path.contains(&alias)));
+            self.keep(|part, _, path| part.id == alias || path.contains(&alias));
+            return true;
         }
         let chosen = |group: &Group| group.id == number;
         self.keep_faces(&|part| whole_group(part, &chosen), &|face| face.id == number)
     }
 
-    fn select_named(self, name: &str) -> Result<Model, PartError> {
+    fn select_named(mut self, name: &str) -> Result<Model, PartError> {
         let exact = |other: &str| other == name;
         let lower = name.to_lowercase();
         let any_case = |other: &str| other.to_lowercase() == lower;
-        let mut model = self;
         for same in [&exact as &dyn Fn(&str) -> bool, &any_case] {
             let is_it =
                 |part: &Part, instance: &str| same(&part.name) || same(instance) || instance.split('/').any(same);
-            if model.instances.iter().any(|i| is_it(&model.parts[i.part], &i.name)) {
-                return Ok(model.keep(|part, instance, _| is_it(part, instance)));
+            if self.instances.iter().any(|i| is_it(&self.parts[i.part], &i.name)) {
+                self.keep(|part, instance, _| is_it(part, instance));
+                return Ok(self);
             }
             let chosen = |group: &Group| same(&group.name);
-            match model.keep_faces(&|part| whole_group(part, &chosen), &|face| same(&face.name)) {
-                Ok(found) => return Ok(found),
-                Err(rest) => model = rest,
+            if self.keep_faces(&|part| whole_group(part, &chosen), &|face| same(&face.name)) {
+                return Ok(self);
             }
         }
-        Err(PartError::NoName { name: name.to_owned(), near: model.near_names(name) })
+        Err(PartError::NoName { name: name.to_owned(), near: self.near_names(name) })
     }
 
-    /// The groups of parts that `groups` chooses, else the faces that `is_it`; the model itself where there are none.
-    fn keep_faces(
-        self,
-        groups: &dyn Fn(&Part) -> Option<Chosen>,
-        is_it: &dyn Fn(&Face) -> bool,
-    ) -> Result<Model, Model> {
+    /// The groups of parts that `groups` chooses, else the faces that `is_it`; false, and nothing is changed, where there
+    /// are none.
+    fn keep_faces(&mut self, groups: &dyn Fn(&Part) -> Option<Chosen>, is_it: &dyn Fn(&Face) -> bool) -> bool {
         let chosen: Vec<Option<Chosen>> = self.parts.iter().map(groups).collect();
         let by_face = chosen.iter().all(Option::is_none);
         let wanted = |(part, chosen): (&Part, Option<Chosen>)| match chosen {
@@ -87,10 +87,9 @@ impl Model {
         };
         let chosen: Vec<Option<Chosen>> = self.parts.iter().zip(chosen).map(wanted).collect();
         if chosen.iter().all(Option::is_none) {
-            return Err(self);
+            return false;
         }
-        let mut model = self;
-        for (part, chosen) in model.parts.iter_mut().zip(&chosen) {
+        for (part, chosen) in self.parts.iter_mut().zip(&chosen) {
             let Some(Chosen { faces, is_solid }) = chosen else { continue };
             if !is_solid && faces.contains(&false) {
                 part.solidity = Solidity::Open;
@@ -99,16 +98,15 @@ impl Model {
             part.faces.retain(|_| kept.next() == Some(&true));
             part.groups.clear();
         }
-        model.keep_parts(|k| chosen[k].is_some());
-        Ok(model)
+        self.keep_parts(|k| chosen[k].is_some());
+        true
     }
 
     /// Drops the other instances, and the parts that none is left of.
-    fn keep(mut self, wanted: impl Fn(&Part, &str, &[u32]) -> bool) -> Model {
+    fn keep(&mut self, wanted: impl Fn(&Part, &str, &[u32]) -> bool) {
         let parts = &self.parts;
         self.instances.retain(|i| wanted(&parts[i.part], &i.name, &i.path));
         self.keep_parts(|_| true);
-        self
     }
 
     /// Drops the instances of other parts, and the parts that none is left of.

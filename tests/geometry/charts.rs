@@ -8,7 +8,7 @@ fn ball() -> NurbsSurface {
     let h = 0.5f64.sqrt();
     let square = [[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1], [1, 0]];
     let half = [[0, -1], [1, -1], [1, 0], [1, 1], [0, 1]];
-    let weight = |k: usize| if k % 2 == 0 { 1.0 } else { h };
+    let weight = |k: usize| if k.is_multiple_of(2) { 1.0 } else { h };
     let mut points: Vec<DVec4> = Vec::new();
     for (i, [x, y]) in square.iter().enumerate() {
         for (j, [r, z]) in half.iter().enumerate() {

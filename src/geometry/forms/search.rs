@@ -13,6 +13,9 @@ const MAX_STEPS: usize = 40;
 
 /// Boxes that branch and bound looks into before it is content with what it has, which [`NetSearch::open`] counts.
 const MAX_BOXES: usize = 500;
+/// After so many for one surface, searches look into few: curves that have nothing to do with it would ask for hours.
+const MAX_ALL_BOXES: usize = 50_000;
+const FEW_BOXES: usize = 10;
 
 /// Nearest points of a NURBS surface.
 #[derive(Clone, Debug)]
@@ -22,6 +25,8 @@ pub(super) struct NetSearch {
     pieces: Vec<PatchPiece>,
     boxes: Vec<[DVec3; 2]>,
     open: Arc<AtomicUsize>,
+    /// Boxes of all searches.
+    looked: Arc<AtomicUsize>,
 }
 
 /// A parameter rectangle whose points are all at least `distance` away.
@@ -76,7 +81,7 @@ impl NetSearch {
     pub fn new(surface: &NurbsSurface, periods: [Option<f64>; 2]) -> Self {
         let pieces = surface.bezier_pieces();
         let boxes = pieces.iter().map(|piece| hull_box(&piece.patch)).collect();
-        Self { surface: surface.clone(), periods, pieces, boxes, open: Arc::default() }
+        Self { surface: surface.clone(), periods, pieces, boxes, open: Arc::default(), looked: Arc::default() }
     }
 
     /// Searches that ended without knowing that nothing is nearer.
@@ -145,15 +150,17 @@ impl NetSearch {
             let distance = box_distance(*bounds, point);
             heap.push(Candidate { distance, patch: None, piece, domain: self.pieces[piece].domain });
         }
+        let most = if self.looked.load(AtomicOrdering::Relaxed) < MAX_ALL_BOXES { MAX_BOXES } else { FEW_BOXES };
         for looked in 0.. {
             let Some(candidate) = heap.pop() else { break };
             if candidate.distance >= best.1 * 0.999 || best.1 <= accept {
                 break;
             }
-            if looked == MAX_BOXES {
+            if looked == most {
                 self.open.fetch_add(1, AtomicOrdering::Relaxed);
                 break;
             }
+            self.looked.fetch_add(1, AtomicOrdering::Relaxed);
             let found = self.descend(point, middle(candidate.domain));
             if found.1 < best.1 {
                 best = found;

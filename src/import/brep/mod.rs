@@ -83,12 +83,16 @@ pub(crate) enum BrepError {
     NoPartner,
     #[error("a loop goes more than {MAX_TURNS} times around the surface")]
     Turns,
+    #[error("its coordinates go up to {reach:.1e} mm, beyond {MAX_REACH:e}")]
+    Huge { reach: f64 },
     #[error("a seam crosses an edge more than {MAX_CUTS} times")]
     Cuts,
 }
 
 /// Periods that a loop may lie from where the surface begins: copies of patches and loops are made for each.
 const MAX_TURNS: f64 = 100.0;
+/// Farther from the origin, doubles are a tenth of a millimetre apart: nothing is that large but by mistake.
+const MAX_REACH: f64 = 1e15;
 /// Cuts of one part of an edge.
 const MAX_CUTS: usize = 1000;
 
@@ -140,11 +144,28 @@ fn extent(source: &FaceSource) -> (f64, f64) {
             }
         }
     }
+    let reach = bounds[0].abs().max(bounds[1].abs()).max_element();
+    let empty = bounds[0].x > bounds[1].x;
     let size = (bounds[1] - bounds[0]).length();
-    if !(size > 0.0 && size.is_finite()) {
+    if !empty && reach > MAX_REACH {
+        return (1.0, reach);
+    }
+    if empty || !(size > 0.0 && size.is_finite()) {
         return (1.0, 1.0);
     }
-    (size, bounds[0].abs().max(bounds[1].abs()).max_element())
+    (size, reach)
+}
+
+/// The farthest coordinate of a B-spline surface's control points, 0 for other surfaces.
+fn surface_reach(form: &SurfaceForm) -> f64 {
+    match form {
+        SurfaceForm::Nurbs(surface) => {
+            let reach = surface.points().iter().map(|p| (p.truncate() / p.w).abs().max_element());
+            reach.fold(0.0, f64::max)
+        }
+        SurfaceForm::Offset { base, .. } => surface_reach(base),
+        _ => 0.0,
+    }
 }
 
 /// The face with its loops in the surface's parameter plane and the patches that cover them.
@@ -154,6 +175,10 @@ fn extent(source: &FaceSource) -> (f64, f64) {
 /// the surface so that they bound nothing.
 pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
     let (size, reach) = extent(source);
+    let farthest = reach.max(surface_reach(&source.surface));
+    if farthest > MAX_REACH {
+        return Err(BrepError::Huge { reach: farthest });
+    }
     let scale = Scale::new(size, reach, source.tolerance);
     let chart =
         Chart::new(source.surface.clone(), source.tolerance.min(1e-6 * size).max(scale.fine), 10.0 * scale.fine);
