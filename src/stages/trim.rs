@@ -6,6 +6,7 @@
 //! own gap of a curve counts as inside, so that the faces meet.
 
 use super::cull::Leaf;
+use super::estimate::Tessellation;
 use super::evaluate::{Meshlet, SUBPIXELS, Vertex};
 use super::fill::is_tested_alone;
 use super::frame::Targets;
@@ -114,7 +115,7 @@ impl Trimmer<'_> {
         let meshlet = &meshlets.meshlets[number as usize];
         let leaf = &leaves[meshlet.leaf as usize];
         let Some(cut) = Cut::new(scene, lens, options, leaf) else { return };
-        let quads = grids[meshlet.leaf as usize].quads;
+        let Tessellation { quads, deviation: [deviation, _], .. } = grids[meshlet.leaf as usize];
         for a in 0..usize::from(meshlet.quads[0]) {
             for b in 0..usize::from(meshlet.quads[1]) {
                 let first = triangle_index(meshlet, a, b);
@@ -124,7 +125,7 @@ impl Trimmer<'_> {
                         continue;
                     }
                     let Some(coverage) = Coverage::new(&vertices, band) else { continue };
-                    let spread = cut.spread(corners, &vertices, options.tolerance);
+                    let spread = cut.spread(corners, &vertices, deviation);
                     let at = |k: usize, c: f64| (f64::from(meshlet.first[k]) + c) / f64::from(quads[k]);
                     let quad = Quad {
                         low: [at(0, a as f64), at(1, b as f64)],
