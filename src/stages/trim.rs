@@ -19,13 +19,9 @@ use super::topology::{FOLD, depth_of, meshlet_of, triangle_index, triangles, wor
 use super::trim_cut::{Cut, keeps};
 use super::trim_texture::Texture;
 use super::{Fill, Trim};
-use crate::scene::Region;
 use rayon::prelude::*;
 use serde::Serialize;
-
-/// Pixels a side of the largest blocks that are classified at once, and of those whose pixels are tested each.
-const LARGEST: i64 = 16;
-const SMALLEST: i64 = 2;
+use std::ops::Range;
 
 /// What trimming did in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -59,6 +55,8 @@ struct Trimmer<'a> {
     counts: TrimCounts,
     /// Fragments of the meshlet being drawn that have to be refined: pixel of the band, word.
     queue: Vec<(u32, u64)>,
+    /// Curves that meet the blocks of pixels on the way down, one list behind the other.
+    curves: Vec<u32>,
 }
 
 /// The textures of `--trim texture`, by leaf; none otherwise.
@@ -98,7 +96,7 @@ pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> Trim
         let first = (k * BAND) as i32;
         let rows = [first, first + (near.len() / width) as i32];
         let mut band = Band { width: width as i32, rows, near, spare, touched, listed: None };
-        let mut trimmer = Trimmer { shader, counts: TrimCounts::default(), queue: Vec::new() };
+        let mut trimmer = Trimmer { shader, counts: TrimCounts::default(), queue: Vec::new(), curves: Vec::new() };
         for &number in bins.of(k) {
             trimmer.meshlet(number, pens, &mut band);
         }
@@ -134,7 +132,8 @@ impl Trimmer<'_> {
                         corners: corners.map(|[i, j]| [at(0, i as f64), at(1, j as f64)]),
                     };
                     let id = word(0.0, number, first + k as u32);
-                    self.triangle(&cut, &quad, &coverage, &vertices, id, band);
+                    let triangle = Triangle { cut: &cut, quad: &quad, coverage: &coverage, vertices: &vertices, id };
+                    self.block(&triangle, coverage.pixels, 0..0, band);
                 }
             }
         }
@@ -156,46 +155,44 @@ impl Trimmer<'_> {
         }
     }
 
-    fn triangle(
-        &mut self,
-        cut: &Cut,
-        quad: &Quad,
-        coverage: &Coverage,
-        vertices: &[Vertex; 3],
-        id: u64,
-        band: &mut Band,
-    ) {
-        match cut.classify([0, 1].map(|k| quad.low[k] - quad.spread[k]), [0, 1].map(|k| quad.high[k] + quad.spread[k]))
-        {
-            Region::Outside => return,
-            Region::Inside => return coverage.draw(coverage.pixels, id, band),
-            Region::Boundary => {}
+    /// Draws what no trim curve comes near to, and queues the rest: blocks of pixels from large to small, each with the
+    /// curves of the one before that meet it.
+    fn block(&mut self, triangle: &Triangle, block: [(i64, i64); 2], curves: Range<usize>, band: &mut Band) {
+        let Triangle { cut, quad, coverage, vertices, id } = *triangle;
+        if !coverage.meets(block) {
+            return;
         }
-        // Blocks from large to small, until one is decided or has few pixels.
-        let mut stack = vec![coverage.pixels];
-        while let Some(block) = stack.pop() {
-            let [(x0, x1), (y0, y1)] = block;
-            let side = (x1 - x0).max(y1 - y0) + 1;
-            if side <= LARGEST {
-                let (low, high) = quad.parameters(vertices, block);
-                match cut.classify(low, high) {
-                    Region::Outside => continue,
-                    Region::Inside => {
-                        coverage.draw(block, id, band);
-                        continue;
-                    }
-                    Region::Boundary => {}
+        let (low, high) = quad.parameters(vertices, block);
+        let within = cut.plane_box(low, high);
+        let start = self.curves.len();
+        if curves.is_empty() {
+            cut.tree.collect(&within, &mut self.curves);
+        } else {
+            for k in curves {
+                let curve = self.curves[k];
+                if cut.tree.meets(curve, &within) {
+                    self.curves.push(curve);
                 }
             }
-            if side <= SMALLEST {
-                coverage.each(block, id, band, |_, pixel, fragment| self.queue.push((pixel, fragment)));
-                continue;
-            }
-            let [xs, ys] = [(x0, x1), (y0, y1)].map(halves);
-            for y in ys.into_iter().flatten() {
-                stack.extend(xs.into_iter().flatten().map(|x| [x, y]));
-            }
         }
+        let [(x0, x1), (y0, y1)] = block;
+        let near = start..self.curves.len();
+        if near.is_empty() {
+            if cut.tree.contains(within.center()) {
+                coverage.draw(block, id, band);
+            }
+        } else if (x0, y0) == (x1, y1) {
+            coverage.each(block, id, band, |_, pixel, fragment| self.queue.push((pixel, fragment)));
+        } else if x1 - x0 >= y1 - y0 {
+            let middle = (x0 + x1) / 2;
+            self.block(triangle, [(x0, middle), (y0, y1)], near.clone(), band);
+            self.block(triangle, [(middle + 1, x1), (y0, y1)], near, band);
+        } else {
+            let middle = (y0 + y1) / 2;
+            self.block(triangle, [(x0, x1), (y0, middle)], near.clone(), band);
+            self.block(triangle, [(x0, x1), (middle + 1, y1)], near, band);
+        }
+        self.curves.truncate(start);
     }
 
     /// Refines what is queued, tests it and draws what passes.
@@ -237,13 +234,14 @@ impl Trimmer<'_> {
     }
 }
 
-/// A range of pixels cut in two where it is longer than `SMALLEST`.
-fn halves((low, high): (i64, i64)) -> [Option<(i64, i64)>; 2] {
-    if high - low < SMALLEST {
-        return [Some((low, high)), None];
-    }
-    let middle = (low + high) / 2;
-    [Some((low, middle)), Some((middle + 1, high))]
+/// A triangle that trim curves may cross.
+struct Triangle<'a> {
+    cut: &'a Cut<'a>,
+    quad: &'a Quad,
+    coverage: &'a Coverage,
+    vertices: &'a [Vertex; 3],
+    /// Its word without depth.
+    id: u64,
 }
 
 /// A quad's rectangle of leaf parameters, as one of its triangles sees it.

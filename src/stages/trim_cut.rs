@@ -58,9 +58,14 @@ impl<'a> Cut<'a> {
         (gap * self.pixels_per_unit).min(MAX_GAP) + self.rounding
     }
 
+    /// A box of leaf parameters in the plane.
+    pub fn plane_box(&self, low: [f64; 2], high: [f64; 2]) -> ParameterBox {
+        ParameterBox::around([self.to_plane(low), self.to_plane(high)])
+    }
+
     /// Where a box of leaf parameters lies.
     pub fn classify(&self, low: [f64; 2], high: [f64; 2]) -> Region {
-        self.tree.classify(&ParameterBox::around([self.to_plane(low), self.to_plane(high)]))
+        self.tree.classify(&self.plane_box(low, high))
     }
 
     /// Quads that the parameters of a triangle's fragments may be off by where its grid is off by `deviation` pixels.
