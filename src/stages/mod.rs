@@ -14,6 +14,7 @@ mod newton;
 mod options;
 mod rasterize;
 mod settle;
+mod settle_near;
 mod shade;
 mod show;
 mod slefe;
