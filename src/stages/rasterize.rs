@@ -309,6 +309,13 @@ impl Coverage {
         })
     }
 
+    /// Some fragment in a part of `pixels` would win.
+    pub fn wins(&self, part: [(i64, i64); 2], id: u64, band: &mut Band) -> bool {
+        let mut wins = false;
+        self.each(part, id, band, |_, _, _| wins = true);
+        wins
+    }
+
     /// Fragments in a part of `pixels`.
     #[inline(always)]
     pub fn draw(&self, part: [(i64, i64); 2], id: u64, band: &mut Band) {

@@ -174,8 +174,7 @@ struct Plane {
 impl Plane {
     fn new(t: &Triangle, reach: i64) -> Self {
         let d = t.depth.map(f64::from);
-        let [ux, uy, vx, vy] =
-            [t.x[1] - t.x[0], t.y[1] - t.y[0], t.x[2] - t.x[0], t.y[2] - t.y[0]].map(|c| c as f64);
+        let [ux, uy, vx, vy] = [t.x[1] - t.x[0], t.y[1] - t.y[0], t.x[2] - t.x[0], t.y[2] - t.y[0]].map(|c| c as f64);
         let (du, dv) = (d[1] - d[0], d[2] - d[0]);
         Self {
             origin: [t.x[0], t.y[0]],

@@ -23,6 +23,11 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::ops::Range;
 
+/// Pixels a side of blocks whose pixels are looked at each.
+const SMALL: i64 = 4;
+/// Pixels a side of blocks that are worth asking whether they are hidden.
+const HIDEABLE: i64 = 8;
+
 /// What trimming did in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct TrimCounts {
@@ -125,14 +130,15 @@ impl Trimmer<'_> {
                     let Some(coverage) = Coverage::new(&vertices, band) else { continue };
                     let spread = cut.spread(corners, &vertices, deviation);
                     let at = |k: usize, c: f64| (f64::from(meshlet.first[k]) + c) / f64::from(quads[k]);
-                    let quad = Quad {
-                        low: [at(0, a as f64), at(1, b as f64)],
-                        high: [at(0, a as f64 + 1.0), at(1, b as f64 + 1.0)],
-                        spread: [0, 1].map(|k| spread[k] / f64::from(quads[k])),
-                        corners: corners.map(|[i, j]| [at(0, i as f64), at(1, j as f64)]),
-                    };
+                    let quad = Quad::new(
+                        [at(0, a as f64), at(1, b as f64)],
+                        [at(0, a as f64 + 1.0), at(1, b as f64 + 1.0)],
+                        [0, 1].map(|k| spread[k] / f64::from(quads[k])),
+                        corners.map(|[i, j]| [at(0, i as f64), at(1, j as f64)]),
+                        &vertices,
+                    );
                     let id = word(0.0, number, first + k as u32);
-                    let triangle = Triangle { cut: &cut, quad: &quad, coverage: &coverage, vertices: &vertices, id };
+                    let triangle = Triangle { cut: &cut, quad: &quad, coverage: &coverage, id };
                     self.block(&triangle, coverage.pixels, 0..0, band);
                 }
             }
@@ -158,11 +164,11 @@ impl Trimmer<'_> {
     /// Draws what no trim curve comes near to, and queues the rest: blocks of pixels from large to small, each with the
     /// curves of the one before that meet it.
     fn block(&mut self, triangle: &Triangle, block: [(i64, i64); 2], curves: Range<usize>, band: &mut Band) {
-        let Triangle { cut, quad, coverage, vertices, id } = *triangle;
+        let Triangle { cut, quad, coverage, id } = *triangle;
         if !coverage.meets(block) {
             return;
         }
-        let (low, high) = quad.parameters(vertices, block);
+        let (low, high) = quad.parameters(block);
         let within = cut.plane_box(low, high);
         let start = self.curves.len();
         if curves.is_empty() {
@@ -177,22 +183,41 @@ impl Trimmer<'_> {
         }
         let [(x0, x1), (y0, y1)] = block;
         let near = start..self.curves.len();
+        let side = (x1 - x0).max(y1 - y0) + 1;
         if near.is_empty() {
             if cut.tree.contains(within.center()) {
                 coverage.draw(block, id, band);
             }
-        } else if (x0, y0) == (x1, y1) {
-            coverage.each(block, id, band, |_, pixel, fragment| self.queue.push((pixel, fragment)));
-        } else if x1 - x0 >= y1 - y0 {
-            let middle = (x0 + x1) / 2;
-            self.block(triangle, [(x0, middle), (y0, y1)], near.clone(), band);
-            self.block(triangle, [(middle + 1, x1), (y0, y1)], near, band);
-        } else {
-            let middle = (y0 + y1) / 2;
-            self.block(triangle, [(x0, x1), (y0, middle)], near.clone(), band);
-            self.block(triangle, [(x0, x1), (middle + 1, y1)], near, band);
+        } else if side <= SMALL {
+            self.pixels(triangle, block, near, band);
+        } else if side > HIDEABLE || coverage.wins(block, id, band) {
+            let cut_in_two = |low: i64, high: i64| [(low, (low + high) / 2), ((low + high) / 2 + 1, high)];
+            let halves = if x1 - x0 >= y1 - y0 {
+                cut_in_two(x0, x1).map(|x| [x, (y0, y1)])
+            } else {
+                cut_in_two(y0, y1).map(|y| [(x0, x1), y])
+            };
+            for half in halves {
+                self.block(triangle, half, near.clone(), band);
+            }
         }
         self.curves.truncate(start);
+    }
+
+    /// The same for each pixel of a block that the triangle would win.
+    fn pixels(&mut self, triangle: &Triangle, block: [(i64, i64); 2], curves: Range<usize>, band: &mut Band) {
+        let Triangle { cut, quad, coverage, id, .. } = *triangle;
+        let (width, first) = (band.width as u32, i64::from(band.rows[0]));
+        coverage.each(block, id, band, |place, pixel, fragment| {
+            let (x, y) = (i64::from(pixel % width), i64::from(pixel / width) + first);
+            let (low, high) = quad.parameters([(x, x), (y, y)]);
+            let within = cut.plane_box(low, high);
+            if self.curves[curves.clone()].iter().any(|&curve| cut.tree.meets(curve, &within)) {
+                self.queue.push((pixel, fragment));
+            } else if cut.tree.contains(within.center()) {
+                *place = fragment;
+            }
+        });
     }
 
     /// Refines what is queued, tests it and draws what passes.
@@ -239,41 +264,55 @@ struct Triangle<'a> {
     cut: &'a Cut<'a>,
     quad: &'a Quad,
     coverage: &'a Coverage,
-    vertices: &'a [Vertex; 3],
     /// Its word without depth.
     id: u64,
 }
 
-/// A quad's rectangle of leaf parameters, as one of its triangles sees it.
+/// A triangle of a quad, in leaf parameters.
 struct Quad {
+    /// The quad's rectangle.
     low: [f64; 2],
     high: [f64; 2],
     /// What the parameters of fragments may be off by.
     spread: [f64; 2],
-    /// Parameters of the triangle's corners.
-    corners: [[f64; 2]; 3],
+    /// From the screen to the parameters: `[value at pixel (0, 0)'s centre, change a pixel in x, in y]` of u, v and 1, each
+    /// times the weight of `Vertex`. Not a number for triangles without an area.
+    map: [[f64; 3]; 3],
 }
 
 impl Quad {
+    /// `corners`: parameters of the triangle's corners.
+    fn new(low: [f64; 2], high: [f64; 2], spread: [f64; 2], corners: [[f64; 2]; 3], vertices: &[Vertex; 3]) -> Self {
+        let subpixels = f64::from(SUBPIXELS);
+        // From the first pixel's centre.
+        let v = vertices.map(|v| [v.x, v.y].map(|c| f64::from(c) / subpixels - 0.5));
+        let cross = |p: [f64; 2], q: [f64; 2]| p[0] * q[1] - p[1] * q[0];
+        let side = |p: [f64; 2], q: [f64; 2]| [cross(p, q), p[1] - q[1], q[0] - p[0]];
+        let sides = [side(v[1], v[2]), side(v[2], v[0]), side(v[0], v[1])];
+        let area = sides.iter().map(|s| s[0]).sum::<f64>();
+        let values = [0, 1, 2].map(|k| corners.map(|c| if k < 2 { c[k] } else { 1.0 }));
+        let map = values.map(|values| {
+            [0, 1, 2]
+                .map(|c| (0..3).map(|n| sides[n][c] / area * f64::from(vertices[n].weight) * values[n]).sum::<f64>())
+        });
+        Self { low, high, spread, map }
+    }
+
     /// Box of the parameters of the triangle's fragments in a block of pixels, their errors included.
     ///
     /// The map from the screen to the parameters is projective: where its denominator is positive it takes the block's
     /// hull into the hull of its corners' images.
-    fn parameters(&self, vertices: &[Vertex; 3], [xs, ys]: [(i64, i64); 2]) -> ([f64; 2], [f64; 2]) {
+    fn parameters(&self, [xs, ys]: [(i64, i64); 2]) -> ([f64; 2], [f64; 2]) {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        let [a, b, c] = vertices.map(|v| [f64::from(v.x), f64::from(v.y)]);
-        let cross =
-            |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
-        let area = cross(a, b, c);
-        let mut regular = area != 0.0;
+        let mut regular = true;
+        let [u, v, weight] = self.map;
         for (x, y) in [(xs.0, ys.0), (xs.0, ys.1), (xs.1, ys.0), (xs.1, ys.1)] {
-            let p = [x, y].map(|c| (c as f64 + 0.5) * f64::from(SUBPIXELS));
-            let weights = [cross(b, c, p), cross(c, a, p), cross(a, b, p)];
-            let weights: [f64; 3] = std::array::from_fn(|k| weights[k] / area * f64::from(vertices[k].weight));
-            let sum = weights.iter().sum::<f64>();
-            regular &= sum > 0.0;
-            for k in 0..2 {
-                let value = (0..3).map(|n| weights[n] * self.corners[n][k]).sum::<f64>() / sum;
+            let at = |f: [f64; 3]| f[0] + f[1] * x as f64 + f[2] * y as f64;
+            let weight = at(weight);
+            regular &= weight > 0.0;
+            let inverse = 1.0 / weight;
+            for (k, f) in [u, v].into_iter().enumerate() {
+                let value = at(f) * inverse;
                 low[k] = low[k].min(value);
                 high[k] = high[k].max(value);
             }
