@@ -1,7 +1,6 @@
 //! rasterize: triangles and border strokes into the two 64-bit buffers, band by band (DESIGN section 4).
 
 use super::evaluate::{Meshlet, Meshlets, SUBPIXELS, Vertex};
-use super::fill::is_tested_alone;
 use super::frame::Targets;
 use super::stroke::{self, Pen};
 use super::topology::{FOLD, edge, edge_index, triangle_index, triangles, word};
@@ -29,7 +28,7 @@ pub(super) struct Band<'a> {
     pub listed: Option<Vec<(u32, u64)>>,
 }
 
-/// Draws all meshlets, but for the triangles of those that trim.rs tests. `pens[leaf]` is the stroke radius of a leaf.
+/// Draws all meshlets but those that trim.rs tests. `pens[leaf]` is the stroke radius of a leaf.
 pub(super) fn rasterize(meshlets: &Meshlets, pens: &[Pen], options: &Options, size: [u32; 2], targets: &mut Targets) {
     let width = size[0] as usize;
     let all = 0..meshlets.meshlets.len() as u32;
@@ -93,10 +92,6 @@ impl Bins {
 fn draw(meshlets: &Meshlets, number: u32, pens: &[Pen], options: &Options, band: &mut Band) {
     let meshlet = &meshlets.meshlets[number as usize];
     if meshlet.tested {
-        // Strokes that only propose pixels need no test of their own.
-        if !is_tested_alone(options) {
-            outlines(meshlets, number, pens, options.fill, band);
-        }
         return;
     }
     let at = |[i, j]: [usize; 2]| meshlets.vertices[meshlet.vertex(i, j)];

@@ -81,11 +81,11 @@ impl Wanted<'_> {
         let leaf = &leaves[meshlet.leaf as usize];
         let [pixels, depth] = grids[meshlet.leaf as usize].deviation.map(f64::from);
         // Within the model's gap the border stands in for what is missing.
-        let reach = pixels + trim_cut::gaps(scene, lens, leaf)[1] + f64::from(EXACT);
-        let reach = (reach * f64::from(SUBPIXELS)).ceil() as i64;
-        if self.nothing_near(meshlet, reach) {
+        let reach = |gap: f64| ((pixels + gap + f64::from(EXACT)) * f64::from(SUBPIXELS)).ceil() as i64;
+        if self.nothing_near(meshlet, reach(trim_cut::MAX_GAP)) {
             return;
         }
+        let reach = reach(trim_cut::gaps(scene, lens, leaf)[1]);
         for a in 0..usize::from(meshlet.quads[0]) {
             for b in 0..usize::from(meshlet.quads[1]) {
                 for (k, corners) in triangles(a, b, meshlet.diagonal).into_iter().enumerate() {
@@ -149,7 +149,7 @@ fn columns(row: &[(u32, f32)], (low, high): (i64, i64)) -> Range<usize> {
 
 /// The columns from `low` to `high` of row `y` whose pixels' centres have the triangle within `reach`, in x and in y: the
 /// separating axes of the two are the square's sides, which are done with, and the edges' normals.
-fn within(t: &Triangle, reach: i64, y: i64, low: i64, high: i64) -> Option<(i64, i64)> {
+pub(super) fn within(t: &Triangle, reach: i64, y: i64, low: i64, high: i64) -> Option<(i64, i64)> {
     let subpixels = i64::from(SUBPIXELS);
     let way = |k: usize| [t.x[(k + 1) % 3] - t.x[k], t.y[(k + 1) % 3] - t.y[k]];
     let start = std::array::from_fn(|k| {
@@ -161,7 +161,7 @@ fn within(t: &Triangle, reach: i64, y: i64, low: i64, high: i64) -> Option<(i64,
 }
 
 /// A triangle's stored depth, affine on the screen.
-struct Plane {
+pub(super) struct Plane {
     /// At corner 0, and by sub-pixel in x and in y.
     origin: [i64; 2],
     depth: f64,
@@ -172,7 +172,7 @@ struct Plane {
 }
 
 impl Plane {
-    fn new(t: &Triangle, reach: i64) -> Self {
+    pub fn new(t: &Triangle, reach: i64) -> Self {
         let d = t.depth.map(f64::from);
         let [ux, uy, vx, vy] = [t.x[1] - t.x[0], t.y[1] - t.y[0], t.x[2] - t.x[0], t.y[2] - t.y[0]].map(|c| c as f64);
         let (du, dv) = (d[1] - d[0], d[2] - d[0]);
@@ -186,7 +186,7 @@ impl Plane {
     }
 
     /// The nearest depth of the triangle within reach of a pixel's centre, or more.
-    fn nearest(&self, x: i64, y: i64) -> f64 {
+    pub fn nearest(&self, x: i64, y: i64) -> f64 {
         let subpixels = i64::from(SUBPIXELS);
         let [dx, dy] = [x * subpixels + HALF - self.origin[0], y * subpixels + HALF - self.origin[1]];
         let [sx, sy] = self.slope;

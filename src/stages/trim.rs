@@ -14,11 +14,12 @@ use super::newton::{Batch, LANES};
 use super::rasterize::{BAND, Band, Bins, Coverage, faces_away, outlines};
 use super::settle::EXACT;
 use super::shade::Shader;
-use super::stroke::Pen;
-use super::topology::{FOLD, depth_of, meshlet_of, triangle_index, triangles, word};
+use super::stroke::{Pen, is_nearer};
+use super::topology::{FOLD, Primitive, depth_of, index_of, meshlet_of, primitive, triangle_index, triangles, word};
 use super::trim_cut::{Cut, keeps};
 use super::trim_texture::Texture;
 use super::{Fill, Trim};
+use crate::scene::Region;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::ops::Range;
@@ -39,6 +40,8 @@ pub struct TrimCounts {
     pub tested: u64,
     pub rejected: u64,
     pub proposed: u64,
+    /// `--trim texture`: textures that would need more texels a side than they may have, so that the tolerance is missed.
+    pub textures_too_coarse: u64,
 }
 
 impl TrimCounts {
@@ -50,6 +53,7 @@ impl TrimCounts {
             tested: self.tested + other.tested,
             rejected: self.rejected + other.rejected,
             proposed: self.proposed + other.proposed,
+            textures_too_coarse: self.textures_too_coarse + other.textures_too_coarse,
         }
     }
 }
@@ -90,8 +94,9 @@ pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> Trim
     };
     let tested = meshlets.iter().enumerate().filter(|(_, m)| m.tested);
     let mut order: Vec<(f32, u32)> = tested.map(|(k, m)| (nearest(m), k as u32)).collect();
+    let textures_too_coarse = shader.textures.iter().flatten().filter(|t| t.is_too_coarse()).count() as u64;
     if order.is_empty() {
-        return TrimCounts::default();
+        return TrimCounts { textures_too_coarse, ..TrimCounts::default() };
     }
     order.par_sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let bins = Bins::new(meshlets, order.iter().map(|&(_, k)| k), (shader.lens.size[1] as usize).div_ceil(BAND));
@@ -109,6 +114,7 @@ pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> Trim
     });
     let mut counts = counts.reduce(TrimCounts::default, TrimCounts::plus);
     counts.meshlets_boundary = order.len() as u64;
+    counts.textures_too_coarse = textures_too_coarse;
     counts
 }
 
@@ -144,21 +150,44 @@ impl Trimmer<'_> {
             }
         }
         self.flush(&cut, meshlet.leaf, band);
-        if is_tested_alone(options) {
-            band.listed = Some(Vec::new());
-            outlines(meshlets, number, pens, options.fill, band);
-            let listed = band.listed.take().unwrap_or_default();
-            for (pixel, fragment) in listed {
-                let place = band.rows[0] as u32 * band.width as u32 + pixel;
-                let s = self.shader.interpolated(meshlet.leaf, fragment, place).map(f64::from);
-                self.counts.tested += 1;
-                if cut.tree.contains(cut.to_plane(s)) {
-                    band.spare_at(pixel, fragment);
-                } else {
-                    self.counts.rejected += 1;
-                }
+        band.listed = Some(Vec::new());
+        outlines(meshlets, number, pens, options.fill, band);
+        for (pixel, fragment) in band.listed.take().unwrap_or_default() {
+            if self.keeps_stroke(&cut, meshlet, pixel, fragment, band) {
+                band.spare_at(pixel, fragment);
             }
         }
+    }
+
+    /// A fragment for the spare buffer. One that stays as it is shows its own parameters, so that these are tested; one
+    /// that only proposes a pixel is refused where nothing of the face is near.
+    fn keeps_stroke(&mut self, cut: &Cut, meshlet: &Meshlet, pixel: u32, fragment: u64, band: &Band) -> bool {
+        let Shader { options, meshlets, grids, .. } = *self.shader;
+        // Fill wants nothing that N hides.
+        if !is_nearer(fragment, band.near[pixel as usize]) {
+            return false;
+        }
+        // A fold has no parameters of its own.
+        if index_of(fragment) == FOLD {
+            return true;
+        }
+        let s = self.shader.interpolated(meshlet.leaf, fragment, pixel + band.rows[0] as u32 * band.width as u32);
+        let s = s.map(f64::from);
+        if is_tested_alone(options) {
+            let keeps = cut.tree.contains(cut.to_plane(s));
+            self.counts.tested += 1;
+            self.counts.rejected += u64::from(!keeps);
+            return keeps;
+        }
+        let Tessellation { quads, deviation: [deviation, _], .. } = grids[meshlet.leaf as usize];
+        let (Primitive::Edge(corners) | Primitive::Triangle(corners)) = primitive(meshlet, index_of(fragment));
+        let vertices = corners.map(|[i, j]| meshlets.vertices[meshlet.vertex(i, j)]);
+        // The pen's width, and as much again to what lies under the pixel's centre.
+        let spread = cut.spread(corners, &vertices, deviation);
+        let spread = [0, 1].map(|k| 2.0 * spread[k] / f64::from(quads[k]));
+        let near = [-1.0, 1.0].map(|sign| [0, 1].map(|k| s[k] + sign * spread[k]));
+        // Edge-on there is no telling.
+        !spread.iter().all(|s| s.is_finite()) || cut.classify(near[0], near[1]) != Region::Outside
     }
 
     /// Draws what no trim curve comes near to, and queues the rest: blocks of pixels from large to small, each with the
@@ -210,7 +239,7 @@ impl Trimmer<'_> {
         let (width, first) = (band.width as u32, i64::from(band.rows[0]));
         coverage.each(block, id, band, |place, pixel, fragment| {
             let (x, y) = (i64::from(pixel % width), i64::from(pixel / width) + first);
-            let (low, high) = quad.parameters([(x, x), (y, y)]);
+            let (low, high) = quad.pixel(x, y);
             let within = cut.plane_box(low, high);
             if self.curves[curves.clone()].iter().any(|&curve| cut.tree.meets(curve, &within)) {
                 self.queue.push((pixel, fragment));
@@ -298,31 +327,86 @@ impl Quad {
         Self { low, high, spread, map }
     }
 
-    /// Box of the parameters of the triangle's fragments in a block of pixels, their errors included.
+    /// `[u, v]` at a pixel's centre; `None` where the denominator of the map is not positive.
+    fn at(&self, x: i64, y: i64) -> Option<[f64; 2]> {
+        let [u, v, weight] = self.map.map(|f| f[0] + f[1] * x as f64 + f[2] * y as f64);
+        let inverse = 1.0 / weight;
+        (weight > 0.0).then(|| [u * inverse, v * inverse])
+    }
+
+    /// Box of the parameters of the triangle's fragment at a pixel, their errors included.
+    fn pixel(&self, x: i64, y: i64) -> ([f64; 2], [f64; 2]) {
+        match self.at(x, y) {
+            Some(p) => self.reached(p, p),
+            None => self.reached(self.low, self.high),
+        }
+    }
+
+    /// A box of parameters, as far as it is the quad's, with their errors.
+    fn reached(&self, low: [f64; 2], high: [f64; 2]) -> ([f64; 2], [f64; 2]) {
+        let inside = |k: usize, value: f64| value.clamp(self.low[k], self.high[k]);
+        ([0, 1].map(|k| inside(k, low[k]) - self.spread[k]), [0, 1].map(|k| inside(k, high[k]) + self.spread[k]))
+    }
+
+    /// The same for a block of pixels.
     ///
     /// The map from the screen to the parameters is projective: where its denominator is positive it takes the block's
     /// hull into the hull of its corners' images.
     fn parameters(&self, [xs, ys]: [(i64, i64); 2]) -> ([f64; 2], [f64; 2]) {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        let mut regular = true;
-        let [u, v, weight] = self.map;
         for (x, y) in [(xs.0, ys.0), (xs.0, ys.1), (xs.1, ys.0), (xs.1, ys.1)] {
-            let at = |f: [f64; 3]| f[0] + f[1] * x as f64 + f[2] * y as f64;
-            let weight = at(weight);
-            regular &= weight > 0.0;
-            let inverse = 1.0 / weight;
-            for (k, f) in [u, v].into_iter().enumerate() {
-                let value = at(f) * inverse;
-                low[k] = low[k].min(value);
-                high[k] = high[k].max(value);
+            let Some(p) = self.at(x, y) else { return self.reached(self.low, self.high) };
+            low = [0, 1].map(|k| low[k].min(p[k]));
+            high = [0, 1].map(|k| high[k].max(p[k]));
+        }
+        self.reached(low, high)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn vertex() -> impl Strategy<Value = Vertex> {
+        (-20_000i32..20_000, -20_000i32..20_000, 0.1f32..1.0).prop_map(|(x, y, w)| Vertex { x, y, depth: w, weight: w })
+    }
+
+    proptest! {
+        /// The map of a triangle of the unit quad, against perspective-correct barycentric weights.
+        #[test]
+        fn parameters_of_pixels(
+            vertices in prop::array::uniform3(vertex()),
+            pixel in prop::array::uniform2(-80i64..80),
+            block in prop::array::uniform2(0i64..30),
+        ) {
+            let [a, b, c] = vertices.map(|v| [f64::from(v.x), f64::from(v.y)]);
+            let area = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+            prop_assume!(area(a, b, c).abs() > 1e5);
+            let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]];
+            let quad = Quad::new([0.0; 2], [1.0; 2], [0.0; 2], corners, &vertices);
+            let exact = |[x, y]: [i64; 2]| {
+                let p = [x, y].map(|c| (c * i64::from(SUBPIXELS)) as f64 + f64::from(SUBPIXELS / 2));
+                let inside = [area(b, c, p), area(c, a, p), area(a, b, p)].map(|e| e / area(a, b, c));
+                let weights: [f64; 3] = std::array::from_fn(|k| inside[k] * f64::from(vertices[k].weight));
+                let sum: f64 = weights.iter().sum();
+                let value = [0, 1].map(|k| (0..3).map(|n| weights[n] * corners[n][k]).sum::<f64>() / sum);
+                (inside.iter().all(|&e| e >= 0.0), value)
+            };
+            let end = [0, 1].map(|k| pixel[k] + block[k]);
+            let (low, high) = quad.parameters([(pixel[0], end[0]), (pixel[1], end[1])]);
+            for x in pixel[0]..=end[0] {
+                for y in pixel[1]..=end[1] {
+                    let (covered, value) = exact([x, y]);
+                    if covered {
+                        let (from, to) = quad.pixel(x, y);
+                        for k in 0..2 {
+                            prop_assert!((from[k] - value[k]).abs() < 1e-9 && from[k] == to[k]);
+                            prop_assert!(low[k] - 1e-9 <= value[k] && value[k] <= high[k] + 1e-9);
+                        }
+                    }
+                }
             }
         }
-        if !regular {
-            (low, high) = (self.low, self.high);
-        }
-        (
-            [0, 1].map(|k| low[k].max(self.low[k]) - self.spread[k]),
-            [0, 1].map(|k| high[k].min(self.high[k]) + self.spread[k]),
-        )
     }
 }

@@ -11,7 +11,7 @@ use super::{Options, Trim};
 use crate::scene::{ParameterBox, Region, Scene, TrimTree};
 
 /// Pixels that a face reaches over its own gap at most, so that two faces close one of a pixel; larger ones are shown.
-const MAX_GAP: f64 = 0.5;
+pub(super) const MAX_GAP: f64 = 0.5;
 /// Pixels that refinement leaves (1/512), and the rounding of f32 parameters on top of `Leaf::rounding`.
 const REFINED: f64 = 1.0 / 512.0 + 1.0 / 1024.0;
 /// The surface's parameters change up to this many times as fast as its triangle's.
