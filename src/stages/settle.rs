@@ -5,18 +5,22 @@
 //! sticks out past the outline of a surface has none there.
 
 use super::estimate::Tessellation;
+use super::evaluate::SUBPIXELS;
 use super::fill::Filled;
 use super::frame::Targets;
 use super::interpolate::corner_parameters;
 use super::newton::{Batch, LANES, Surface};
+use super::rasterize::Triangle;
 use super::settle_near::{Candidate, by_band};
 use super::shade::Shader;
-use super::topology::{depth_of, with_depth};
+use super::topology::{Primitive, depth_of, index_of, meshlet_of, primitive, with_depth};
 use super::trim_cut::{self, Cut, keeps};
 use rayon::prelude::*;
 
 /// Pixels between a pixel centre and a projected surface point that count as none.
 pub(super) const EXACT: f32 = 1.0 / 128.0;
+/// Derivatives of what a grid is off by, a quad's side, for each pixel of it.
+const STEEPEST: f64 = 8.0;
 /// What the contract allows a filled pixel.
 const HALF_PIXEL: f32 = 0.5;
 
@@ -106,13 +110,13 @@ struct Start {
 }
 
 /// Whatever surface of a leaf lies under a pixel's centre, refinement finds it from a triangle nearby: from the nearest
-/// point, and where the grid is not exact from the corners too, since a triangle seen edge-on may hide a fold.
+/// point, and where the surface may fold over from the corners too.
 fn add_starts(shader: &Shader, near: &[Candidate], pixel: u32, starts: &mut Vec<Start>) {
     let Tessellation { quads, deviation, .. } = shader.grids[near[0].leaf as usize];
     let first = starts.len();
     for &Candidate { leaf, slot, word } in near {
         starts.push(Start { slot, triangle: word, parameters: shader.interpolated(leaf, word, pixel) });
-        if deviation[0] <= EXACT {
+        if !may_fold(shader, word, deviation[0]) {
             continue;
         }
         for parameters in corner_parameters(shader.meshlets, quads, word) {
@@ -122,6 +126,18 @@ fn add_starts(shader: &Shader, near: &[Candidate], pixel: u32, starts: &mut Vec<
             }
         }
     }
+}
+
+/// The image of the surface over a triangle may have a fold: where a grid is off by `off` pixels, its derivatives along the
+/// sides of a quad are off by at most eight times that a side (`M h` for `M h^2 / 8`), and a triangle that is higher than
+/// that keeps its sense of rotation.
+fn may_fold(shader: &Shader, word: u64, off: f32) -> bool {
+    let meshlet = &shader.meshlets.meshlets[meshlet_of(word) as usize];
+    let (Primitive::Triangle(corners) | Primitive::Edge(corners)) = primitive(meshlet, index_of(word));
+    let t = Triangle::new(&corners.map(|[i, j]| shader.meshlets.vertices[meshlet.vertex(i, j)]));
+    let side = |k: usize| ((t.x[(k + 1) % 3] - t.x[k]) as f64).hypot((t.y[(k + 1) % 3] - t.y[k]) as f64);
+    let longest = side(0).max(side(1)).max(side(2));
+    t.area as f64 <= STEEPEST * f64::from(off) * f64::from(SUBPIXELS) * longest
 }
 
 /// Refines the starts on one leaf and keeps, by slot, the nearest surface that is nearer than `behind`.

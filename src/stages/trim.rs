@@ -26,7 +26,7 @@ use std::ops::Range;
 
 /// Pixels a side of blocks whose pixels are looked at each.
 const SMALL: i64 = 4;
-/// Pixels a side of blocks that are worth asking whether they are hidden.
+/// Pixels a side of blocks, and of triangles, that are worth asking whether they are hidden.
 const HIDEABLE: i64 = 8;
 
 /// What trimming did in a frame.
@@ -134,6 +134,11 @@ impl Trimmer<'_> {
                         continue;
                     }
                     let Some(coverage) = Coverage::new(&vertices, band) else { continue };
+                    let id = word(0.0, number, first + k as u32);
+                    let [(x0, x1), (y0, y1)] = coverage.pixels;
+                    if (x1 - x0).max(y1 - y0) < HIDEABLE && !coverage.wins(coverage.pixels, id, band) {
+                        continue;
+                    }
                     let spread = cut.spread(corners, &vertices, deviation);
                     let at = |k: usize, c: f64| (f64::from(meshlet.first[k]) + c) / f64::from(quads[k]);
                     let quad = Quad::new(
@@ -143,7 +148,6 @@ impl Trimmer<'_> {
                         corners.map(|[i, j]| [at(0, i as f64), at(1, j as f64)]),
                         &vertices,
                     );
-                    let id = word(0.0, number, first + k as u32);
                     let triangle = Triangle { cut: &cut, quad: &quad, coverage: &coverage, id };
                     self.block(&triangle, coverage.pixels, 0..0, band);
                 }
@@ -219,7 +223,7 @@ impl Trimmer<'_> {
             }
         } else if side <= SMALL {
             self.pixels(triangle, block, near, band);
-        } else if side > HIDEABLE || coverage.wins(block, id, band) {
+        } else if side > HIDEABLE || x1 - x0 != y1 - y0 || coverage.wins(block, id, band) {
             let cut_in_two = |low: i64, high: i64| [(low, (low + high) / 2), ((low + high) / 2 + 1, high)];
             let halves = if x1 - x0 >= y1 - y0 {
                 cut_in_two(x0, x1).map(|x| [x, (y0, y1)])

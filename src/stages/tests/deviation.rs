@@ -1,6 +1,6 @@
 //! What a grid says it is off by, against the surface between its vertices, in f64.
 
-use crate::import::builtin;
+use crate::import::builtin::builtin;
 use crate::scene::{Camera, Scene, View, ViewSpec, prepare};
 use crate::stages::cull::{Culler, Leaf, Leaves};
 use crate::stages::estimate::{Tessellation, estimate};
