@@ -121,16 +121,19 @@ impl Wanted<'_> {
             pixel_range(v[0].min(v[1]).min(v[2]) - reach, v[0].max(v[1]).max(v[2]) + reach)
         };
         let x = ends(vertices.map(|v| v.x));
+        let mut drawn = None;
         for (y, row) in self.rows_of(ends(vertices.map(|v| v.y))) {
             let (start, pixels) = &self.rows[row];
             let near = columns(pixels, x);
             if near.is_empty() {
                 continue;
             }
-            let t = Triangle::new(vertices);
-            let plane = Plane::new(&t, reach);
+            let (t, plane) = drawn.get_or_insert_with(|| {
+                let t = Triangle::new(vertices);
+                (t, Plane::new(&t, reach))
+            });
             let at = pixels[near.start].0.into();
-            let Some(ends) = within(&t, reach, y, at, pixels[near.end - 1].0.into()) else { continue };
+            let Some(ends) = within(t, reach, y, at, pixels[near.end - 1].0.into()) else { continue };
             for k in columns(pixels, ends) {
                 let (x, behind) = pixels[k];
                 if plane.nearest(x.into(), y) > self.shader.farther(behind, depth) {
