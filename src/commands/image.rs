@@ -110,7 +110,10 @@ impl SrgbTable {
             }
             if k > 255 { f32::INFINITY } else { f32::from_bits(low) }
         };
-        Self { least: std::array::from_fn(least), first: (0..=one >> 16).map(|k| srgb(f32::from_bits(k << 16))).collect() }
+        Self {
+            least: std::array::from_fn(least),
+            first: (0..=one >> 16).map(|k| srgb(f32::from_bits(k << 16))).collect(),
+        }
     }
 
     fn byte(&self, x: f32) -> u8 {
