@@ -115,20 +115,28 @@ impl Knots {
     /// span, and exact at its ends.
     pub fn weights<const N: usize>(&self, span: usize, t: f64) -> [[f64; N]; 2] {
         let p = self.degree;
-        let (mut point, mut slope) = ([0.0; N], [0.0; N]);
-        let [low, high] = self.interval(span);
-        let (s, scale) = ((t - low) / (high - low), p as f64 / (high - low));
-        (point[0], point[1]) = (1.0 - s, s);
-        (slope[0], slope[1]) = (-scale, scale);
-        for level in (1..p).rev() {
+        let knot = |k: usize| self.values[span + k - p];
+        // Of the points after the first level: the control points of the derivative have the same weights.
+        let mut lower = [0.0; N];
+        lower[0] = 1.0;
+        for level in (2..=p).rev() {
             for k in (0..=p - level).rev() {
-                let [low, high] = [self.values[span + level + k - p], self.values[span + 1 + k]];
+                let [low, high] = [knot(level + k), knot(p + 1 + k)];
                 let s = (t - low) / (high - low);
-                for weights in [&mut point, &mut slope] {
-                    weights[k + 1] += weights[k] * s;
-                    weights[k] *= 1.0 - s;
-                }
+                lower[k + 1] += lower[k] * s;
+                lower[k] *= 1.0 - s;
             }
+        }
+        let (mut point, mut slope) = ([0.0; N], [0.0; N]);
+        for k in 0..p {
+            let [low, high] = [knot(1 + k), knot(p + 1 + k)];
+            let inverse = 1.0 / (high - low);
+            let s = (t - low) / (high - low);
+            point[k] += lower[k] * (1.0 - s);
+            point[k + 1] = lower[k] * s;
+            let change = lower[k] * (p as f64 * inverse);
+            slope[k] -= change;
+            slope[k + 1] = change;
         }
         [point, slope]
     }

@@ -6,8 +6,9 @@ use glam::{DAffine3, DVec3, DVec4};
 /// Largest degree in one direction; binomial sums stay well inside f64 there.
 pub const MAX_DEGREE: usize = 63;
 
-/// Points in a line up to which scratch space is small: clearing room for the highest degree costs more than a cubic.
-pub(super) const FEW: usize = 8;
+/// Points in a line up to which scratch space is small, fits of degree 8 among them: clearing room for the highest degree
+/// costs more than a cubic.
+pub(super) const FEW: usize = 9;
 
 /// A borrowed control net of a rational tensor-product Bézier patch over [0, 1]².
 #[derive(Clone, Copy, Debug)]

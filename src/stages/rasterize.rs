@@ -11,8 +11,6 @@ use rayon::prelude::*;
 /// Rows of pixels one task draws: a band of both buffers stays in the second-level cache.
 pub(super) const BAND: usize = 16;
 const HALF: i64 = SUBPIXELS as i64 / 2;
-/// Pixels of a row from which on its covered part is computed; fewer are tried one by one.
-const WIDE: i64 = 8;
 
 /// One band of both buffers.
 pub(super) struct Band<'a> {
@@ -306,17 +304,11 @@ impl Coverage {
         let step_x: [i64; 3] = std::array::from_fn(|k| -(t.y[(k + 1) % 3] - t.y[k]) * SUBPIXELS as i64);
         let step_y: [i64; 3] = std::array::from_fn(|k| (t.x[(k + 1) % 3] - t.x[k]) * SUBPIXELS as i64);
         for y in y0..=y1 {
-            let dy = y - y0;
-            let mut e: [i64; 3] = std::array::from_fn(|k| start[k] + step_y[k] * dy);
-            // Long triangles across the axes cover little of their box.
-            let (from, to) = if x1 - x0 < WIDE { (0, x1 - x0) } else { inside(e, step_x, x1 - x0) };
-            if from > to {
-                continue;
-            }
-            (0..3).for_each(|k| e[k] += step_x[k] * from);
             let first = (y - i64::from(band.rows[0])) as usize * band.width as usize;
             let row = &mut band.near[first..][..band.width as usize];
-            for (x, pixel) in (x0 + from..).zip(&mut row[(x0 + from) as usize..=(x0 + to) as usize]) {
+            let dy = y - y0;
+            let mut e: [i64; 3] = std::array::from_fn(|k| start[k] + step_y[k] * dy);
+            for (x, pixel) in (x0..).zip(&mut row[x0 as usize..=x1 as usize]) {
                 if (e[0] | e[1] | e[2]) >= 0 {
                     let weight = |k: usize| (e[k] + self.bias[k]) as f32;
                     let d = weight(0) * self.depth[0] + weight(1) * self.depth[1] + weight(2) * self.depth[2];
@@ -331,21 +323,4 @@ impl Coverage {
             }
         }
     }
-}
-
-/// The first and the last of the steps `0..=count` at which no edge function is negative; the first is beyond the last
-/// where there is none.
-fn inside(e: [i64; 3], step: [i64; 3], count: i64) -> (i64, i64) {
-    let (mut first, mut last) = (0, count);
-    for k in 0..3 {
-        if step[k] > 0 {
-            // The least n with e + n step >= 0.
-            first = first.max((step[k] - 1 - e[k]).div_euclid(step[k]));
-        } else if step[k] < 0 {
-            last = last.min(e[k].div_euclid(-step[k]));
-        } else if e[k] < 0 {
-            last = -1;
-        }
-    }
-    (first, last)
 }

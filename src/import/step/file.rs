@@ -78,7 +78,8 @@ impl<'a> File<'a> {
     }
 
     pub fn get(&self, id: u32) -> Result<Entity<'a>, StepError> {
-        self.record(id).map(|&r| self.entity(r)).ok_or_else(|| StepError::Missing(id))
+        let Some(&record) = self.record(id) else { return Err(StepError::Missing(id)) };
+        Ok(self.entity(record))
     }
 
     /// The numbers of point or direction `id`, where they are written as usual.
