@@ -5,7 +5,7 @@ use super::file::{Entity, File};
 use super::kinds::Kind;
 use super::styles::Styles;
 use crate::model::Warning;
-use std::collections::HashSet;
+use foldhash::HashSet;
 
 /// Items of items may not nest deeper.
 const MAX_DEPTH: u8 = 16;
