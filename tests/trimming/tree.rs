@@ -255,3 +255,33 @@ fn a_turn_near_an_end_leaves_the_curve_what_it_is() {
         }
     }
 }
+
+#[test]
+fn segments_are_handed_down_from_box_to_box() {
+    let mut random = Random(23);
+    let (mut some, mut none) = (0, 0);
+    for _ in 0..200 {
+        let corners: Vec<[f64; 2]> = (0..3 + random.below(20)).map(|_| [random.unit(), random.unit()]).collect();
+        let mut trims = Trims::default();
+        let number = trims.add(&[polygon(&corners)]);
+        let tree = trims.tree(number);
+        for _ in 0..20 {
+            let mut point = || [random.between(-0.2, 1.2), random.between(-0.2, 1.2)];
+            let outer = ParameterBox::around([point(), point()]);
+            let inside = |t: f64, k: usize| outer.low[k] + (outer.high[k] - outer.low[k]) * t;
+            let (a, b) = ([random.unit(), random.unit()], [random.unit(), random.unit()]);
+            let inner = ParameterBox::around([a, b].map(|p| [0, 1].map(|k| inside(p[k], k))));
+            let (mut of_outer, mut of_inner) = (vec![u32::MAX], Vec::new());
+            tree.collect(&outer, &mut of_outer);
+            tree.collect(&inner, &mut of_inner);
+            // What was in the list stays, and everything else is there once.
+            assert_eq!(of_outer.remove(0), u32::MAX);
+            assert!(of_outer.is_sorted_by(|a, b| a < b));
+            of_outer.retain(|&s| tree.meets(s, &inner));
+            assert_eq!(of_outer, of_inner);
+            assert_eq!(of_inner.is_empty(), tree.classify(&inner) != Region::Boundary);
+            if of_inner.is_empty() { none += 1 } else { some += 1 }
+        }
+    }
+    assert!(some > 500 && none > 500, "{some} {none}");
+}

@@ -112,6 +112,7 @@ impl NetSearch {
         let mut uv = wrap(start, domain, self.periods);
         let mut at = self.surface.surface_point(uv.x, uv.y);
         let mut damping = 0.0;
+        let mut moved_before = 0.0;
         for _ in 0..MAX_STEPS {
             let offset = point - at.position;
             let gradient = DVec2::new(at.du.dot(offset), at.dv.dot(offset));
@@ -125,15 +126,21 @@ impl NetSearch {
             let target = wrap(uv + step.clamp(-0.3 * extent, 0.3 * extent), domain, self.periods);
             let next = self.surface.surface_point(target.x, target.y);
             let (before, after) = (offset.length_squared(), next.position.distance_squared(point));
-            let moved = (at.du * step.x + at.dv * step.y).length_squared();
+            let moved = (at.du * step.x + at.dv * step.y).length();
+            // Steps shrink at least as fast as they did: by a constant factor off the surface, quadratically on it.
+            let mut next_move = f64::INFINITY;
             if after <= before * (1.0 + 1e-14) {
                 (uv, at) = (target, next);
+                if damping == 0.0 {
+                    next_move = moved * (moved / moved_before);
+                }
                 damping = if damping < 1e-3 { 0.0 } else { damping * 0.1 };
             } else {
                 damping = if damping == 0.0 { 1e-3 } else { damping * 10.0 };
             }
+            moved_before = moved;
             let scale = at.position.abs().max_element() + (at.du * extent.x).length() + (at.dv * extent.y).length();
-            if moved.sqrt() <= 2e-15 * scale || damping > 1e9 {
+            if moved.min(next_move) <= 2e-15 * scale || damping > 1e9 {
                 break;
             }
         }

@@ -94,12 +94,13 @@ impl<'b> Fitter<'b> {
     }
 
     fn fit(&mut self, image: &Image, [a, b]: [f64; 2], ends: [DVec2; 2], depth: usize, out: &mut Vec<TrimCurve>) {
-        let at = |s: f64| image.plane(self, a + (b - a) * s);
-        let values: [DVec2; FIT_DEGREE + 1] = std::array::from_fn(|k| match k {
-            0 => ends[0],
-            FIT_DEGREE => ends[1],
-            _ => at(node(k, FIT_DEGREE)),
-        });
+        let at = |s: f64, guess: Option<DVec2>| image.plane(self, a + (b - a) * s, guess);
+        let mut values = [ends[0]; FIT_DEGREE + 1];
+        values[FIT_DEGREE] = ends[1];
+        (2..FIT_DEGREE).step_by(2).for_each(|k| values[k] = at(node(k, FIT_DEGREE), None));
+        let quartic = coefficients(values.iter().step_by(2).copied());
+        let guess = |k: usize| Some(value(&quartic, node(k, FIT_DEGREE)));
+        (1..FIT_DEGREE).step_by(2).for_each(|k| values[k] = at(node(k, FIT_DEGREE), guess(k)));
         let speeds = [0, FIT_DEGREE / 2, FIT_DEGREE].map(|k| self.speed(values[k]));
         let speed = speeds[0].max(speeds[1]).max(speeds[2]);
         let size = |d: DVec2| (d * speed).length();
@@ -117,7 +118,6 @@ impl<'b> Fitter<'b> {
             out.push(TrimCurve { curve, gap, edge: Some(image.source.edge) });
             return;
         } else {
-            let quartic = coefficients(values.iter().step_by(2).copied());
             let odd = (1..FIT_DEGREE).step_by(2);
             let off = odd.map(|k| size(value(&quartic, node(k, FIT_DEGREE)) - values[k])).fold(0.0, f64::max);
             if off <= tolerance {
@@ -126,10 +126,11 @@ impl<'b> Fitter<'b> {
             } else {
                 let octic = coefficients(values.iter().copied());
                 let between = (0..FIT_DEGREE).map(|k| node(2 * k + 1, 2 * FIT_DEGREE));
-                let off = between.map(|s| size(value(&octic, s) - at(s))).fold(0.0, f64::max);
+                let off = between.map(|s| (value(&octic, s), s));
+                let off = off.map(|(p, s)| size(p - at(s, Some(p)))).fold(0.0, f64::max);
                 if off > tolerance && depth < MAX_HALVINGS && out.len() - self.first < MAX_CURVES {
                     let middle = 0.5 * (a + b);
-                    let p = image.plane(self, middle);
+                    let p = values[FIT_DEGREE / 2];
                     self.fit(image, [a, middle], [ends[0], p], depth + 1, out);
                     self.fit(image, [middle, b], [p, ends[1]], depth + 1, out);
                     return;
@@ -210,8 +211,9 @@ impl<'a, 'b> Image<'a, 'b> {
         Self { path, samples, source, plane_ends, moved }
     }
 
-    /// Surface parameters at `t`; the inversion starts from the samples on either side.
-    fn surface(&self, fitter: &Fitter, t: f64) -> DVec2 {
+    /// Surface parameters at `t`; the inversion starts from the samples on either side, or from a guess that is not far
+    /// from them.
+    fn surface(&self, fitter: &Fitter, t: f64, guess: Option<DVec2>) -> DVec2 {
         let [a, b] = [self.samples[0].0, self.samples[self.samples.len() - 1].0];
         if t == a {
             return self.path.start;
@@ -223,13 +225,15 @@ impl<'a, 'b> Image<'a, 'b> {
         let k = self.samples.partition_point(|s| (s.0 <= t) == ascending && s.0 != t || s.0 == a);
         let k = k.clamp(1, self.samples.len() - 1);
         let [low, high] = [self.samples[k - 1], self.samples[k]];
-        let near = low.1.lerp(high.1, ((t - low.0) / (high.0 - low.0)).clamp(0.0, 1.0));
-        let uv = fitter.chart.invert(self.source.span.curve.position(t), Some(near), fitter.scale.follow);
-        uv + self.moved[0].lerp(self.moved[1], (t - a) / (b - a))
+        let between = low.1.lerp(high.1, ((t - low.0) / (high.0 - low.0)).clamp(0.0, 1.0));
+        let moved = self.moved[0].lerp(self.moved[1], (t - a) / (b - a));
+        let guess = guess.map(|p| fitter.to_surface(p) - moved);
+        let near = guess.filter(|uv| uv.distance(between) <= low.1.distance(high.1)).unwrap_or(between);
+        fitter.chart.invert(self.source.span.curve.position(t), Some(near), fitter.scale.follow) + moved
     }
 
-    fn plane(&self, fitter: &Fitter, t: f64) -> DVec2 {
-        fitter.to_plane(self.surface(fitter, t))
+    fn plane(&self, fitter: &Fitter, t: f64, guess: Option<DVec2>) -> DVec2 {
+        fitter.to_plane(self.surface(fitter, t, guess))
     }
 
     /// Edge parameters and points between which the image is smooth in the plane: the edge's own knots, and where it
@@ -240,7 +244,7 @@ impl<'a, 'b> Image<'a, 'b> {
         let mut breaks = vec![(a, self.plane_ends[0])];
         let knots = self.source.span.breaks();
         let mut inner: Vec<(f64, DVec2)> =
-            knots.into_iter().filter(|&t| inside(t)).map(|t| (t, self.plane(fitter, t))).collect();
+            knots.into_iter().filter(|&t| inside(t)).map(|t| (t, self.plane(fitter, t, None))).collect();
         for axis in 0..2 {
             for kink in fitter.axes[axis].kinks() {
                 for w in self.samples.windows(2) {
@@ -259,8 +263,8 @@ impl<'a, 'b> Image<'a, 'b> {
 
     /// Where the image's parameter `axis` takes the value `kink`, between two edge parameters.
     fn crossing(&self, fitter: &Fitter, [mut a, mut b]: [f64; 2], axis: usize, kink: f64) -> Option<(f64, DVec2)> {
-        let low = self.surface(fitter, a)[axis] < kink;
-        if (self.surface(fitter, b)[axis] < kink) == low {
+        let low = self.surface(fitter, a, None)[axis] < kink;
+        if (self.surface(fitter, b, None)[axis] < kink) == low {
             return None;
         }
         for _ in 0..60 {
@@ -268,14 +272,14 @@ impl<'a, 'b> Image<'a, 'b> {
             if t == a || t == b {
                 break;
             }
-            if (self.surface(fitter, t)[axis] < kink) == low { a = t } else { b = t }
+            if (self.surface(fitter, t, None)[axis] < kink) == low { a = t } else { b = t }
         }
         let [start, end] = self.source.range;
         let t = 0.5 * (a + b);
         if ((t - start) / (end - start)).min((end - t) / (end - start)) < 1e-9 {
             return None;
         }
-        let mut uv = self.surface(fitter, t);
+        let mut uv = self.surface(fitter, t, None);
         uv[axis] = kink;
         Some((t, fitter.to_plane(uv)))
     }

@@ -13,8 +13,8 @@ use super::products::{Products, Usage};
 use super::styles::Styles;
 use super::units::Units;
 use crate::model::Warning;
+use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 use glam::DAffine3;
-use std::collections::{HashMap, HashSet};
 
 /// A representation with its items.
 pub(super) struct Representation {

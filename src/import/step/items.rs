@@ -5,7 +5,7 @@ use super::file::{Entity, File};
 use super::kinds::Kind;
 use super::styles::Styles;
 use crate::model::{Unshown, Warning};
-use std::collections::HashSet;
+use foldhash::HashSet;
 use std::ops::Range;
 
 /// Items of items may not nest deeper.

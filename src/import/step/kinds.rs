@@ -1,6 +1,6 @@
 //! The entity types that the reader knows.
 
-use std::collections::HashMap;
+use foldhash::HashMap;
 use std::sync::LazyLock;
 
 macro_rules! kinds {
@@ -16,7 +16,7 @@ macro_rules! kinds {
         }
 
         static KEYWORDS: LazyLock<HashMap<&'static [u8], Kind>> = LazyLock::new(|| {
-            HashMap::from([$(($keyword.as_bytes(), Kind::$kind),)*])
+            [$(($keyword.as_bytes(), Kind::$kind),)*].into_iter().collect()
         });
     };
 }

@@ -8,6 +8,7 @@
 
 mod args;
 mod assembly;
+mod cursor;
 mod curve;
 mod error;
 mod external;
@@ -18,6 +19,7 @@ mod invert;
 mod items;
 mod join;
 mod kinds;
+mod number;
 mod pcurve;
 mod place;
 mod products;
@@ -47,7 +49,7 @@ const LISTED: usize = 5;
 /// True for files that open like this format; white space and comments may come before.
 pub(super) fn matches(bytes: &[u8]) -> bool {
     let text = without_mark(bytes);
-    let mut cursor = scan::Cursor { text, at: 0 };
+    let mut cursor = cursor::Cursor { text, at: 0 };
     cursor.blank().is_ok() && text[cursor.at..].starts_with(b"ISO-10303-21")
 }
 
@@ -56,7 +58,7 @@ pub(super) fn parse(bytes: &[u8], origin: &Origin) -> Result<Model, ParseError> 
     let text = without_mark(bytes);
     let scanned = scan::scan(text);
     let mut warnings = syntax_warnings(text, &scanned);
-    let (file, twice) = File::new(text, scanned.records);
+    let (file, twice) = File::new(text, scanned);
     if !twice.is_empty() {
         let listed: Vec<String> = twice.iter().take(LISTED).map(|id| format!("#{id}")).collect();
         let (count, listed) = (twice.len(), listed.join(", "));

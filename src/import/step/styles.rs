@@ -3,7 +3,7 @@
 use super::args::Value;
 use super::file::File;
 use super::kinds::Kind;
-use std::collections::{HashMap, HashSet};
+use foldhash::{HashMap, HashSet};
 
 /// From a styled item to its colour pass fewer entities than this.
 const MAX_DEPTH: u8 = 10;
