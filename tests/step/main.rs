@@ -5,6 +5,8 @@ mod support;
 
 mod assemblies;
 mod compose;
+mod hidden;
+mod parts;
 mod real;
 mod syntax;
 mod units;

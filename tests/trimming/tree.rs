@@ -1,33 +1,10 @@
 //! Points and boxes against random rational loops; the second method sums angles over hulls.
 
+pub use crate::support::random::Random;
 use glam::{DVec2, DVec4};
 use halfpixel::geometry::BezierCurve;
 use halfpixel::model::{Loop, TrimCurve};
 use halfpixel::scene::{ParameterBox, Region, Trims};
-
-/// SplitMix64: the tests need numbers, not randomness.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    pub fn below(&mut self, count: u64) -> usize {
-        (self.next() % count) as usize
-    }
-}
 
 pub fn curve(points: &[(DVec2, f64)]) -> TrimCurve {
     let points = points.iter().map(|&(p, w)| (p * w).extend(0.0).extend(w)).collect();
@@ -115,8 +92,8 @@ fn points_agree_with_winding_numbers() {
             let mut p = [random.between(-1.1, 1.1), random.between(-1.1, 1.1)];
             if k % 4 == 0 {
                 // At the height of an end, or next to a curve.
-                let curves = &loops[random.below(loops.len() as u64)].curves;
-                let curve = &curves[random.below(curves.len() as u64)].curve;
+                let curves = &loops[random.below(loops.len())].curves;
+                let curve = &curves[random.below(curves.len())].curve;
                 let q = curve.position(if k % 8 == 0 { 0.0 } else { random.unit() });
                 p = if k % 8 == 0 { [p[0], q.y] } else { [q.x + random.between(-1e-7, 1e-7), q.y] };
             }

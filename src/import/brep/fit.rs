@@ -1,10 +1,12 @@
 //! Paths as rational Bézier curves in the parameter plane of the patches.
 
 use super::Scale;
+use super::cover::Rectangle;
+use super::section::{Section, plane_of};
 use super::trace::{Path, Shape, Source};
 use crate::geometry::interpolate::{FIT_DEGREE, coefficients, node, value};
-use crate::geometry::{Axis, BezierCurve, Chart, CurveForm, SurfaceForm};
-use crate::model::TrimCurve;
+use crate::geometry::{Axis, BezierCurve, Chart, CurveForm, CurveSpan, SurfaceForm};
+use crate::model::{Approximation, SurfacePatch, TrimCurve};
 use glam::{DVec2, DVec4};
 
 /// A section is halved at most this often, and an edge becomes at most this many curves; what is off then is stated. An
@@ -15,15 +17,23 @@ const MAX_CURVES: usize = 256;
 /// Makes trim curves of paths.
 pub(super) struct Fitter<'b> {
     pub chart: &'b Chart,
-    pub axes: [Axis; 2],
+    axes: [Axis; 2],
+    patches: &'b [SurfacePatch],
     pub scale: &'b Scale,
+    pub approximation: Approximation,
     /// Largest distance in space of a fit from the exact image that was left.
     pub worst: f64,
     /// How many curves there were before those of the present path.
-    pub first: usize,
+    first: usize,
 }
 
-impl Fitter<'_> {
+impl<'b> Fitter<'b> {
+    /// For curves on `patches`, which cover `area`.
+    pub fn new(chart: &'b Chart, area: Rectangle, patches: &'b [SurfacePatch], scale: &'b Scale) -> Self {
+        let approximation = Approximation::default();
+        Self { chart, axes: chart.axes(area), patches, scale, approximation, worst: 0.0, first: 0 }
+    }
+
     fn to_plane(&self, uv: DVec2) -> DVec2 {
         DVec2::new(self.axes[0].to_plane(uv.x), self.axes[1].to_plane(uv.y))
     }
@@ -98,12 +108,20 @@ impl Fitter<'_> {
         let lateral = |p: DVec2| ((p - ends[0]) * speed).perp_dot(chord).abs() / chord.length().max(1e-300);
         let forward = values.windows(2).all(|w| ((w[1] - w[0]) * speed).dot(chord) >= 0.0);
         let tolerance = self.scale.fine;
-        let points = if forward && values[1..FIT_DEGREE].iter().all(|&p| lateral(p) <= tolerance) {
+        let bend = values[1..FIT_DEGREE].iter().map(|&p| lateral(p)).fold(0.0, f64::max);
+        let points = if forward && bend <= tolerance {
+            self.note(bend);
             vec![ends[0], ends[1]]
+        } else if let Some((curve, off)) = self.section(image.source.span, [a, b], &values, speed) {
+            self.note(off);
+            let gap = self.gap(&curve, image.source, [a, b]);
+            out.push(TrimCurve { curve, gap, edge: Some(image.source.edge) });
+            return;
         } else {
             let odd = (1..FIT_DEGREE).step_by(2);
             let off = odd.map(|k| size(value(&quartic, node(k, FIT_DEGREE)) - values[k])).fold(0.0, f64::max);
             if off <= tolerance {
+                self.note(off);
                 quartic
             } else {
                 let octic = coefficients(values.iter().copied());
@@ -117,7 +135,10 @@ impl Fitter<'_> {
                     self.fit(image, [middle, b], [p, ends[1]], depth + 1, out);
                     return;
                 }
-                self.worst = self.worst.max(off);
+                if off > tolerance {
+                    self.worst = self.worst.max(off);
+                }
+                self.note(off);
                 octic
             }
         };
@@ -131,6 +152,23 @@ impl Fitter<'_> {
         let curve = BezierCurve::from_points(points);
         let gap = self.gap(&curve, image.source, [a, b]);
         out.push(TrimCurve { curve, gap, edge: Some(image.source.edge) });
+    }
+
+    /// Counts a curve that is off by so much; what is no more than rounding is no approximation.
+    fn note(&mut self, off: f64) {
+        if off > 1e-3 * self.scale.fine {
+            self.approximation.curves += 1;
+            self.approximation.error = self.approximation.error.max(off);
+        }
+    }
+
+    /// The exact image where the edge is a plane section of a ruled patch, and how far it is from the image's points.
+    fn section(&self, span: &CurveSpan, range: [f64; 2], values: &[DVec2], speed: DVec2) -> Option<(BezierCurve, f64)> {
+        let ends = [values[0], values[values.len() - 1]];
+        let section = Section::new(self.patches, plane_of(span, range)?, ends)?;
+        let off = section.distance(values, speed);
+        let curve = (off <= self.scale.fine).then(|| section.curve(ends)).flatten()?;
+        Some((curve, off))
     }
 
     /// Lengths of the surface's derivatives at a point of the plane, by the plane's coordinates to within a factor 2.

@@ -47,6 +47,8 @@ pub(super) struct Scanned {
     pub errors: Vec<SyntaxError>,
     /// All errors, those that are not kept too.
     pub error_count: usize,
+    /// Numbers that stand for entities of other files (the REFERENCE section).
+    pub elsewhere: usize,
     /// `END-ISO-10303-21` was met.
     pub ended: bool,
 }
@@ -65,6 +67,7 @@ impl Scanned {
         self.records.append(&mut other.records);
         self.triples.append(&mut other.triples);
         self.error_count += other.error_count;
+        self.elsewhere += other.elsewhere;
         let room = ERRORS_KEPT.saturating_sub(self.errors.len());
         self.errors.extend(other.errors.into_iter().take(room));
         self.ended |= other.ended;
@@ -151,6 +154,7 @@ impl Cursor<'_> {
     fn statement(&mut self, found: &mut Scanned) -> Result<(), SyntaxError> {
         if self.peek() == Some(b'#') {
             let record = self.entity(&mut found.triples)?;
+            found.elsewhere += usize::from(record.is_none());
             // The parameters are complete, whatever follows them.
             found.records.extend(record);
             self.blank()?;
