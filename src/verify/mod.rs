@@ -1,7 +1,7 @@
 //! The oracle: what an image should show, in f64 and without any tessellation (DESIGN section 6).
 //!
 //! ```text
-//! Scene, Camera --Oracle::new--> patches cut into parts, boxes in the image
+//! Scene, Camera --Oracle::new--> boxes of the patches in the image   (cut: into parts where a ray comes near)
 //!                                        |
 //! image point --Oracle::hits--> which patches, (u, v), depth      (piece: certificates, ray: Newton)
 //!                                        |
@@ -12,7 +12,9 @@
 //! meets it where two linear functions of it are zero. `piece` cuts patches until a Krawczyk test proves that no ray
 //! through the part's box meets it twice; one Newton iteration then finds the hit or proves that there is none (`ray`).
 //! Parts without proof (silhouettes, edge-on and collapsed patches) are halved for the single ray until they have one
-//! or are smaller than `RESOLUTION` pixels: these count as hits. `hierarchy` finds the parts under a ray.
+//! or are smaller than `RESOLUTION` pixels: these count as hits. `hierarchy` finds the patches and parts under a ray.
+//! Parts and trims are made when a ray first needs them, and dropped between pixels when they have grown large, so that
+//! millions of patches can be judged in little more memory than their scene takes.
 //!
 //! How DESIGN section 6 is read (`check`):
 //! - The 5x5 sub-samples span the closed pixel, corners included; the middle one is the centre. They are shot when a
@@ -41,6 +43,7 @@
 //! Nothing here is shared with the stages but the evaluation of nets, the scene and the camera.
 
 mod check;
+mod cut;
 mod error_image;
 mod hierarchy;
 mod hits;
