@@ -50,7 +50,7 @@ pub struct ErrorStats {
 }
 
 /// A pixel that breaks the contract.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Offender {
     pub kind: Failure,
     pub x: u32,
@@ -58,6 +58,9 @@ pub struct Offender {
     /// What the frame shows there; `None` for background.
     pub instance: Option<u32>,
     pub patch: Option<u32>,
+    /// The instance's name and the file's number of the face, to find it there.
+    pub name: Option<String>,
+    pub face: Option<u32>,
     /// The larger of grid and parametric error.
     pub error_px: Option<f64>,
 }
@@ -182,7 +185,19 @@ fn judge_in_batches(
             tally.join(of_part);
         }
     }
-    tally.report(map, start.elapsed().as_secs_f64())
+    let mut report = tally.report(map, start.elapsed().as_secs_f64());
+    report.worst.iter_mut().for_each(|offender| offender.find(scene));
+    report
+}
+
+impl Offender {
+    /// Says what the scene calls what is shown.
+    fn find(&mut self, scene: &Scene) {
+        let instance = self.instance.and_then(|i| scene.instances.get(i as usize));
+        self.name = instance.map(|i| i.name.clone()).filter(|name| !name.is_empty());
+        let patch = self.patch.and_then(|p| scene.patches.get(p as usize));
+        self.face = patch.map(|p| scene.faces[p.face as usize].id);
+    }
 }
 
 impl Tally {
@@ -203,7 +218,8 @@ impl Tally {
         for (kind, _) in kinds.into_iter().filter(|(_, failed)| *failed) {
             self.failures[kind as usize] += 1;
             let (instance, patch) = (pixel.map(|p| p.instance), pixel.map(|p| p.patch));
-            self.worst.push(Offender { kind, x, y, instance, patch, error_px: verdict.worst_error() });
+            let error_px = verdict.worst_error();
+            self.worst.push(Offender { kind, x, y, instance, patch, name: None, face: None, error_px });
         }
         if self.worst.len() > 8 * WORST_OF_A_KIND {
             self.keep_worst();

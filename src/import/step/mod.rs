@@ -75,6 +75,13 @@ pub(super) fn parse(bytes: &[u8], name: &str) -> Result<Model, ParseError> {
     Ok(model)
 }
 
+/// Reads the text alone: how many entities it holds.
+pub(super) fn count_entities(bytes: &[u8]) -> u64 {
+    let text = without_mark(bytes);
+    let (file, _) = File::new(text, scan::scan(text).records);
+    file.len() as u64
+}
+
 /// The text without a byte order mark.
 fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
