@@ -135,7 +135,7 @@ def look_at(path):
     """One file by itself: what `info` says of it, and what its text says."""
     result = run([PROGRAM, "info", path, "--threads", "1", "--json"], 1200)
     info = parsed(result)
-    row = {"file": str(path), "bytes": path.stat().st_size, "entities": count_faces(path), "exit": result["code"],
+    row = {"file": str(path), "text_bytes": path.stat().st_size, "entities": count_faces(path), "exit": result["code"],
            "seconds": result["seconds"], "peak_mb": result["peak_mb"]}
     if info is None:
         return {**row, "errors": result["errors"].strip()[-300:]}
@@ -172,7 +172,7 @@ def summary(rows, folder):
     lost, differ, failed = Counter(), [], []
     for row in rows:
         name = os.path.relpath(row["file"], folder)
-        total.update(files=1, text_bytes=row["bytes"], face_entities=row["entities"])
+        total.update(files=1, text_bytes=row["text_bytes"], face_entities=row["entities"])
         if row["exit"] != 0:
             failed.append({"file": name, "why": row.get("errors", "")})
             continue
@@ -226,9 +226,7 @@ def report(folder, results, limit=None):
     results.parent.mkdir(parents=True, exist_ok=True)
 
     def reading():
-        prefix = steps.folder / "reading"
-        result = run([PROGRAM, "bench", "reading", f"@{names}", "--repeats", "1", "--json"], 3600)
-        prefix.with_suffix(".json").unlink(missing_ok=True)
+        result = run([PROGRAM, "bench", "reading", f"@{names}", "--text-only", "--repeats", "1", "--json"], 3600)
         return {**result, "output": parsed(result)}
 
     def render():

@@ -32,8 +32,7 @@ def rates(data):
     together = stages.get("import", 0) + stages.get("prepare", 0)
     return [
         ("text read (every entity found and numbered), MB/s", show(reading[0].get("text MB/s"))),
-        ("to models, each dropped again, MB/s", show(reading[0].get("model MB/s"))),
-        ("to scenes, each dropped again, MB/s", show(reading[0].get("scene MB/s"))),
+        ("to models (import of `render`), MB/s", show(mb / stages["import"] if stages.get("import") else None)),
         ("to one scene (import and prepare of `render`), MB/s", show(mb / together if together else None)),
         ("`render`, whole process, MB/s", show(mb / data["render"]["seconds"] if data["render"]["code"] == 0 else None)),
     ]

@@ -27,7 +27,7 @@
 //! - A face is a `SceneFace` of an instance. It covers a pixel where it is visible at a sub-sample, at the stored or
 //!   the interpolated point, or on one of 17x17 rays. A sliver thinner than all these that the frame does not show
 //!   itself would be missed, and reported as a failure. A stored point that refinement left outside its trims by at most
-//!   1/256 px stands for the trim's point beside it: a face of which only an edge is in sight is visible there.
+//!   1/128 px stands for the trim's point beside it: a face of which only an edge is in sight is visible there.
 //! - The refined error counts where the centre ray meets the shown patch on the sheet that is shown: a ray may meet the
 //!   patch again elsewhere, beyond a silhouette, and refinement must not go there.
 //! - Trims: a hit counts inside the loops (`region`: odd-even on the exact curves) or within `RESOLUTION` of them. A

@@ -5,6 +5,7 @@ mod support;
 
 mod assemblies;
 mod compose;
+mod mended;
 mod real;
 mod syntax;
 mod units;

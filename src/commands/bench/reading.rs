@@ -17,6 +17,9 @@ pub struct Args {
     /// Times each file is read
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub repeats: u32,
+    /// Read only the text
+    #[arg(long)]
+    pub text_only: bool,
     #[command(flatten)]
     pub results: ResultArgs,
 }
@@ -27,8 +30,8 @@ struct Reading {
     bytes: u64,
     entities: Option<u64>,
     text: Option<f64>,
-    model: f64,
-    scene: f64,
+    model: Option<f64>,
+    scene: Option<f64>,
 }
 
 pub fn run(args: &Args) -> Result<()> {
@@ -38,7 +41,7 @@ pub fn run(args: &Args) -> Result<()> {
             .map(|one| {
                 let files = one.files()?;
                 let name = Path::new(&one.label()).file_name().map_or(one.label(), |n| n.to_string_lossy().into());
-                measure(name, &files, args.repeats).inspect(|_| bar.inc(1))
+                measure(name, &files, args).inspect(|_| bar.inc(1))
             })
             .collect::<Result<_>>()?;
         bar.finish_and_clear();
@@ -47,11 +50,11 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// The files of a list are read in parallel, each dropped before the next: the memory is that of the largest.
-fn measure(name: String, files: &[String], repeats: u32) -> Result<Reading> {
+fn measure(name: String, files: &[String], args: &Args) -> Result<Reading> {
     let timed = |work: &(dyn Fn(&String) -> Result<u64> + Sync)| -> Result<(f64, u64)> {
         let mut sum = 0;
         let mut times = Vec::new();
-        for _ in 0..repeats {
+        for _ in 0..args.repeats {
             let start = Instant::now();
             // One file a task: their sizes differ by thousands.
             sum = files.par_iter().with_max_len(1).map(work).sum::<Result<u64>>()?;
@@ -61,10 +64,14 @@ fn measure(name: String, files: &[String], repeats: u32) -> Result<Reading> {
     };
     let bytes = |file: &String| std::fs::metadata(file).map(|m| m.len()).with_context(|| file.clone());
     let bytes = files.iter().map(bytes).sum::<Result<u64>>()?;
-    // Not a number: some file has no entities to count.
+    // None where some file is of another format.
     let text = timed(&|file| Ok(import::count_entities(Path::new(file))?.context("no STEP file")?)).ok();
-    let (model, _) = timed(&|file| Ok(import::load(file).map(|_| 0)?))?;
-    let (scene, _) = timed(&|file| Ok(prepare_model(&import::load(file)?).map(|_| 0)?))?;
+    let whole = |work: &(dyn Fn(&String) -> Result<u64> + Sync)| match args.text_only {
+        true => Ok(None),
+        false => timed(work).map(|(ms, _)| Some(ms)),
+    };
+    let model = whole(&|file| Ok(import::load(file).map(|_| 0)?))?;
+    let scene = whole(&|file| Ok(prepare_model(&import::load(file)?).map(|_| 0)?))?;
     Ok(Reading { name, bytes, entities: text.map(|t| t.1), text: text.map(|t| t.0), model, scene })
 }
 
@@ -90,9 +97,9 @@ fn table(readings: &[Reading]) -> Table {
             r.text.into(),
             r.text.map(rate).into(),
             r.model.into(),
-            rate(r.model).into(),
+            r.model.map(rate).into(),
             r.scene.into(),
-            rate(r.scene).into(),
+            r.scene.map(rate).into(),
         ]);
     }
     table
