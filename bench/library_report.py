@@ -19,7 +19,7 @@ def module_of(symbol):
     if names:
         parts = names[0].split("::")
         # A function's own name is no module.
-        return "::".join(parts[1:4] if parts[1] == "import" else parts[1:3])
+        return "::".join(parts[1:-1][: 3 if parts[1] == "import" else 2] or parts[1:])
     return symbol if symbol == "kernel" else re.split(r"::|<|@", symbol.lstrip("<&"))[0] or "other"
 
 

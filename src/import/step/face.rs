@@ -156,6 +156,7 @@ impl Shapes<'_, '_> {
             let [start, end] = edges[k].ends;
             if count > 1 && start != before && end == before && next.contains(&start) {
                 self.note(edges[k].edge, "the edge runs against its loop; it is turned");
+                self.log.doubtful.set(true);
                 edges[k] = turned(edges[k].clone());
             }
         }

@@ -149,8 +149,12 @@ fn build_parts(file: &File, assembly: &mut Assembly, model: &mut Model) -> Vec<V
         }
     }
     let built: Vec<_> = jobs.par_iter().map(|job| build(file, job)).collect();
-    for (job, (face, notes)) in jobs.iter().zip(built) {
-        model.warnings.extend(notes);
+    for (job, (face, log)) in jobs.iter().zip(built) {
+        model.warnings.extend(log.notes.into_inner());
+        if log.doubtful.get() {
+            // Its walls may show their backs.
+            model.parts[job.part].solidity = Solidity::Open;
+        }
         match face {
             Ok(face) => model.parts[job.part].faces.push(face),
             Err(message) => model.lost.push(Warning { entity: Some(job.face.id), message }),
@@ -160,7 +164,7 @@ fn build_parts(file: &File, assembly: &mut Assembly, model: &mut Model) -> Vec<V
 }
 
 /// One face, or why it is lost, and what was mended.
-fn build(file: &File, job: &Job) -> (Result<Face, String>, Vec<Warning>) {
+fn build(file: &File, job: &Job) -> (Result<Face, String>, Log) {
     let log = Log::default();
     let shapes = Shapes { file, units: job.units, log: &log };
     let id = job.face.id;
@@ -172,5 +176,5 @@ fn build(file: &File, job: &Job) -> (Result<Face, String>, Vec<Warning>) {
         Ok(built.face)
     });
     let built = built.map_err(|why| format!("face #{id} is lost: {why}"));
-    (built, log.notes.into_inner())
+    (built, log)
 }
