@@ -35,7 +35,7 @@ pub struct Args {
 
 const USUAL: Usual = Usual {
     bounds: &Bound::ALL,
-    grids: &[Grid::Variable, Grid::Eter],
+    grids: &[Grid::Adaptive, Grid::Eter],
     tolerances: &[0.5, 0.25, 1.0],
     views: &[View::Iso, View::Front],
     zooms: &[1.0, 8.0],

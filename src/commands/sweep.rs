@@ -137,7 +137,7 @@ mod tests {
 
     const USUAL: Usual = Usual {
         bounds: &[Bound::Screen, Bound::Eter],
-        grids: &[Grid::Variable],
+        grids: &[Grid::Adaptive],
         tolerances: &[0.5],
         views: &[View::Iso, View::Front, View::Top],
         zooms: &[1.0, 8.0],

@@ -120,7 +120,7 @@ fn draw_point<DB: DrawingBackend>(chart: &Chart<'_, DB>, point: &Point) -> Drawn
     area.draw(&(EmptyElement::at(at) + Text::new(point.tolerance.to_string(), (MARK as i32, -MARK as i32 + 2), style)))
 }
 
-/// The bound's shape in its colour: full for variable grids, hollow for ETER's.
+/// The bound's shape in its colour: full for grids of any size, hollow for ETER's.
 fn draw_mark<DB: DrawingBackend, CT: CoordTranslate>(
     area: &DrawingArea<DB, CT>,
     at: CT::From,
@@ -131,7 +131,7 @@ where
     CT::From: Clone,
 {
     let mut outline = shape(bound);
-    if grid == Grid::Variable {
+    if grid != Grid::Eter {
         area.draw(&(EmptyElement::at(at.clone()) + Polygon::new(outline.clone(), color(bound).filled())))?;
     }
     outline.push(outline[0]);

@@ -14,6 +14,10 @@ pub(super) const MESHLET: u32 = 7;
 const MAX_SIDE: u32 = 1 << 12;
 /// Quads a leaf may have in all; it is split beyond, so that what is off screen is culled.
 const MAX_QUADS: u64 = 1 << 14;
+/// Largest part of a leaf's quads that its halves may have to be drawn instead: they bring strokes of their own.
+const HALVES_KEPT: f64 = 0.875;
+/// Halvings that may save nothing before one that does.
+const LOOK_AHEAD: u32 = 1;
 /// Vertices of all grids together, 16 bytes each: 4 GiB.
 const MAX_VERTICES: u64 = 1 << 28;
 /// Splitting can't mend a grid once a leaf is this small a part of its patch.
@@ -33,54 +37,119 @@ impl Tessellation {
         self.quads.iter().map(|&n| u64::from(n.div_ceil(MESHLET))).product()
     }
 
+    fn all_quads(&self) -> u64 {
+        u64::from(self.quads[0]) * u64::from(self.quads[1])
+    }
+
     /// Vertices of these meshlets; neighbours repeat their common ones.
     fn vertices(&self) -> u64 {
         self.quads.iter().map(|&n| u64::from(n + n.div_ceil(MESHLET))).product()
     }
 }
 
-/// Gives every leaf its grid; leaves whose grid would be too large are split and culled again. `vertices` counts those of
-/// all tasks.
+/// Leaves with their grids.
+#[derive(Default)]
+struct Gridded {
+    leaves: Leaves,
+    grids: Vec<Tessellation>,
+    quads: u64,
+}
+
+impl Gridded {
+    fn push(&mut self, mut leaf: Leaf, net: &[Vec4], grid: Tessellation) {
+        leaf.net = self.leaves.nets.len() as u32;
+        self.leaves.nets.extend_from_slice(net);
+        self.leaves.leaves.push(leaf);
+        self.grids.push(grid);
+        self.quads += grid.all_quads();
+    }
+
+    fn vertices(&self) -> u64 {
+        self.grids.iter().map(Tessellation::vertices).sum()
+    }
+
+    fn append(&mut self, other: Gridded) {
+        for (leaf, grid) in other.leaves.leaves.into_iter().zip(other.grids) {
+            let net = leaf.net as usize..leaf.net as usize + leaf.points();
+            self.push(leaf, &other.leaves.nets[net], grid);
+        }
+    }
+}
+
+/// Gives every leaf its grid; leaves whose grid would be too large, or that need fewer quads in two, are split and culled
+/// again. `vertices` counts those of all tasks.
 pub(super) fn estimate(
     culler: &mut Culler,
     leaves: Leaves,
     vertices: &AtomicU64,
 ) -> Result<(Leaves, Vec<Tessellation>), RenderError> {
-    let mut done = Leaves { patches_visible: leaves.patches_visible, ..Leaves::default() };
-    let mut grids = Vec::with_capacity(leaves.leaves.len());
-    settle(culler, leaves, vertices, &mut done, &mut grids)?;
-    Ok((done, grids))
+    let mut done = Gridded::default();
+    done.leaves.patches_visible = leaves.patches_visible;
+    settle(culler, leaves, vertices, &mut done)?;
+    Ok((done.leaves, done.grids))
 }
 
 /// Appends the leaves with their grids, or the halves that a grid needs.
-fn settle(
-    culler: &mut Culler,
-    from: Leaves,
-    vertices: &AtomicU64,
-    done: &mut Leaves,
-    grids: &mut Vec<Tessellation>,
-) -> Result<(), RenderError> {
-    for mut leaf in from.leaves {
+fn settle(culler: &mut Culler, from: Leaves, vertices: &AtomicU64, done: &mut Gridded) -> Result<(), RenderError> {
+    for leaf in from.leaves {
         let net = &from.nets[leaf.net as usize..leaf.net as usize + leaf.points()];
         match grid_of(culler, &leaf, net)? {
             Ok(grid) => {
+                let halves = cheaper_halves(culler, &leaf, grid, LOOK_AHEAD);
                 // Before anything is kept: a tolerance that asks for too much must not fill the memory first.
-                if vertices.fetch_add(grid.vertices(), Ordering::Relaxed) + grid.vertices() > MAX_VERTICES {
+                let count = halves.as_ref().map_or(grid.vertices(), Gridded::vertices);
+                if vertices.fetch_add(count, Ordering::Relaxed) + count > MAX_VERTICES {
                     return Err(RenderError::TooManyVertices { limit: MAX_VERTICES });
                 }
-                leaf.net = done.nets.len() as u32;
-                done.nets.extend_from_slice(net);
-                done.leaves.push(leaf);
-                grids.push(grid);
+                match halves {
+                    Some(halves) => done.append(halves),
+                    None => done.push(leaf, net, grid),
+                }
             }
             Err(axis) => {
                 let mut halves = Leaves::default();
                 culler.split_leaf(&leaf, axis, &mut halves)?;
-                settle(culler, halves, vertices, done, grids)?;
+                settle(culler, halves, vertices, done)?;
             }
         }
     }
     Ok(())
+}
+
+/// A large leaf's parts, where their own bounds, and what the image shows of them, ask for clearly fewer quads. What can't be
+/// had is no error: the leaf itself stands. `tries` more halvings may pass without a gain.
+fn cheaper_halves(culler: &mut Culler, leaf: &Leaf, grid: Tessellation, tries: u32) -> Option<Gridded> {
+    let rational = culler.scene.patches[leaf.patch as usize].rational;
+    let too_small = grid.all_quads() < worth_halving(leaf.points() as u64, rational);
+    if culler.options.grid != Grid::Adaptive || too_small || leaf.depth >= MAX_DEPTH {
+        return None;
+    }
+    let mut halves = Leaves::default();
+    culler.split_leaf(leaf, usize::from(grid.quads[1] > grid.quads[0]), &mut halves).ok()?;
+    let net = |half: &Leaf| half.net as usize..half.net as usize + half.points();
+    let own_grid = |half: &Leaf| grid_of(culler, half, &halves.nets[net(half)]).ok()?.ok();
+    let grids: Vec<Tessellation> = halves.leaves.iter().map(own_grid).collect::<Option<_>>()?;
+    let fewer = |quads: u64| quads as f64 <= grid.all_quads() as f64 * HALVES_KEPT;
+    let gained = fewer(grids.iter().map(Tessellation::all_quads).sum());
+    // Each gain leaves fewer quads for all that follow, so that this ends early where halving is of no use.
+    let tries = if gained { LOOK_AHEAD } else { tries.checked_sub(1)? };
+    let mut parts = Gridded::default();
+    for (half, grid) in halves.leaves.into_iter().zip(grids) {
+        match cheaper_halves(culler, &half, grid, tries) {
+            Some(quarters) => parts.append(quarters),
+            None => {
+                let net = net(&half);
+                parts.push(half, &halves.nets[net], grid);
+            }
+        }
+    }
+    fewer(parts.quads).then_some(parts)
+}
+
+/// Quads from which on a leaf's halves are tried: enclosing two of them takes about as long as drawing these. Splitting takes
+/// some multiple of the control points, the products in a rational patch's derivatives a multiple of their square.
+fn worth_halving(points: u64, rational: bool) -> u64 {
+    if rational { 12 * points * points } else { 16 * points }
 }
 
 /// The leaf's grid, or the axis to split where it would be too large.
@@ -110,8 +179,7 @@ fn grid_of(culler: &Culler, leaf: &Leaf, projected: &[Vec4]) -> Result<Result<Te
     if options.grid == Grid::Eter {
         grid.quads = grid.quads.map(|n| n.next_multiple_of(MESHLET));
     }
-    let quads = u64::from(grid.quads[0]) * u64::from(grid.quads[1]);
-    if quads > MAX_QUADS {
+    if grid.all_quads() > MAX_QUADS {
         return too_large(culler, leaf, &constraints);
     }
     Ok(Ok(grid))
@@ -175,7 +243,10 @@ fn fewest_across(constraints: &[[f64; 3]], nu: f64) -> f64 {
         let s = 1.0 - a / (nu * nu);
         let b = b / nu;
         if s > 0.0 {
-            nv = nv.max((b + (b * b + 4.0 * s * c).sqrt()) / (2.0 * s));
+            // Most constraints hold already where the few that bind have been met: no root is needed.
+            if (s * nv - b) * nv < c {
+                nv = nv.max((b + (b * b + 4.0 * s * c).sqrt()) / (2.0 * s));
+            }
         } else if b > 0.0 || c > 0.0 || s < 0.0 {
             return f64::INFINITY;
         }

@@ -29,12 +29,14 @@ pub enum Interpolation {
     Projective,
 }
 
-/// How quads are grouped into meshlets.
+/// How a leaf is cut into quads, and these into meshlets.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Grid {
-    /// As many quads as the bound asks for, in meshlets of up to 7x7.
+    /// As `variable`, and large leaves are halved where their halves ask for clearly fewer quads.
     #[default]
+    Adaptive,
+    /// As many quads as the bound asks for, in meshlets of up to 7x7.
     Variable,
     /// ETER section 4.2: scaled up to whole 7x7-quad meshlets.
     Eter,
@@ -112,7 +114,7 @@ impl Default for Options {
     fn default() -> Self {
         Self {
             bound: Bound::Screen,
-            grid: Grid::Variable,
+            grid: Grid::Adaptive,
             fill: Fill::Stroke,
             cull: Cull::Auto,
             trim: Trim::On,

@@ -1,5 +1,6 @@
 //! rasterize: triangles and border strokes into the two 64-bit buffers, band by band (DESIGN section 4).
 
+use super::estimate::MESHLET;
 use super::evaluate::{Meshlet, Meshlets, SUBPIXELS, Vertex};
 use super::fill::is_tested_alone;
 use super::frame::Targets;
@@ -156,20 +157,27 @@ fn folds(meshlets: &Meshlets, number: u32, pen: &Pen, band: &mut Band) {
     let mut stroke = |a: [usize; 2], b: [usize; 2]| stroke::fold(&at(a), &at(b), pen, id, band);
     let [next_u, next_v] = next_blocks(&meshlets.meshlets, number as usize);
     let main = meshlet.diagonal == 0;
+    let mut own = [[0; 2]; (MESHLET * MESHLET) as usize];
+    for (k, own) in own[..across_u * across_v].iter_mut().enumerate() {
+        *own = facings(meshlets, meshlet, k / across_v, k % across_v);
+    }
+    let facing = |m: &Meshlet, a: usize, b: usize| {
+        if std::ptr::eq(m, meshlet) { own[a * across_v + b] } else { facings(meshlets, m, a, b) }
+    };
     // The triangle on side v = 1 is always the second, on v = 0 the first; u = 1 and u = 0 go by the diagonal.
     let (right, left) = if main { (0, 1) } else { (1, 0) };
     for a in 0..across_u {
         for b in 0..across_v {
-            let here = facings(meshlets, meshlet, a, b);
+            let here = own[a * across_v + b];
             if here[0] != here[1] {
                 if main { stroke([a, b], [a + 1, b + 1]) } else { stroke([a + 1, b], [a, b + 1]) }
             }
             let above = if b + 1 < across_v { Some((meshlet, b + 1)) } else { next_v.map(|m| (m, 0)) };
-            if above.is_some_and(|(m, b)| here[1] != facings(meshlets, m, a, b)[0]) {
+            if above.is_some_and(|(m, b)| here[1] != facing(m, a, b)[0]) {
                 stroke([a, b + 1], [a + 1, b + 1]);
             }
             let beyond = if a + 1 < across_u { Some((meshlet, a + 1)) } else { next_u.map(|m| (m, 0)) };
-            if beyond.is_some_and(|(m, a)| here[right] != facings(meshlets, m, a, b)[left]) {
+            if beyond.is_some_and(|(m, a)| here[right] != facing(m, a, b)[left]) {
                 stroke([a + 1, b], [a + 1, b + 1]);
             }
         }

@@ -57,7 +57,7 @@ fn every_pixel_inside_a_silhouette_is_drawn() {
         [("sphere", |camera, at| on_sphere(camera, at).is_some()), ("torus", meets_torus)];
     for (name, covers) in solids {
         let mut covered = 0;
-        for (spec, grid) in views().flat_map(|spec| [(spec, Grid::Variable), (spec, Grid::Eter)]) {
+        for (spec, grid) in views().flat_map(|spec| [(spec, Grid::Adaptive), (spec, Grid::Eter)]) {
             let [all, open] = open_pixels(name, spec, grid, covers);
             assert_eq!(open, 0, "{name}, {grid:?}, of {all} pixels: {spec:?}");
             covered += all;

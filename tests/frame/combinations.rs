@@ -15,7 +15,7 @@ fn report(name: &str, spec: ViewSpec, options: &Options, samples: Option<usize>)
 #[test]
 fn proved_bounds_keep_half_a_pixel_whatever_else_is_chosen() {
     for bound in [Bound::Screen, Bound::Eter, Bound::Filip, Bound::Projective] {
-        for grid in [Grid::Variable, Grid::Eter] {
+        for grid in [Grid::Adaptive, Grid::Variable, Grid::Eter] {
             for fill in [Fill::Stroke, Fill::Eter, Fill::Conservative, Fill::Off] {
                 for orthographic in [false, true] {
                     let spec = ViewSpec { size: [160, 120], orthographic, ..ViewSpec::default() };
@@ -33,6 +33,32 @@ fn proved_bounds_keep_half_a_pixel_whatever_else_is_chosen() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn halved_leaves_need_fewer_quads_and_keep_half_a_pixel() {
+    for bound in [Bound::Screen, Bound::Eter, Bound::Filip, Bound::Projective] {
+        let [mut halved, mut whole] = [0; 2];
+        for (name, zoom) in [("teapot", 1.0), ("teapot", 8.0), ("teapot", 64.0), ("torus", 8.0)] {
+            let spec = ViewSpec { size: [640, 480], zoom, ..ViewSpec::default() };
+            let options = Options { bound, grid: Grid::Adaptive, ..Options::default() };
+            let scene = scene(name);
+            let camera = camera(&scene, spec);
+            let [adaptive, variable] =
+                [options, Options { grid: Grid::Variable, ..options }].map(|o| render(&scene, &camera, &o).stats.quads);
+            assert!(
+                adaptive <= variable,
+                "{name}, {bound:?}, zoom {zoom}: {adaptive} quads, {variable} without halving"
+            );
+            halved += adaptive;
+            whole += variable;
+            let found = report(name, spec, &options, Some(4000));
+            let what = format!("{name}, {bound:?}, zoom {zoom}: {:?}", found.worst);
+            assert_eq!((found.violations, found.cracks), (0, 0), "{what}");
+            assert!(found.grid_error_px.is_some_and(|e| e.max <= 0.5), "{what}");
+        }
+        assert!(2 * halved < whole, "{bound:?}: {halved} of {whole} quads");
     }
 }
 

@@ -22,7 +22,7 @@ pub struct Args {
 
 const USUAL: Usual = Usual {
     bounds: &Bound::ALL,
-    grids: &[Grid::Variable],
+    grids: &[Grid::Adaptive],
     tolerances: &[0.5],
     views: &View::ALL,
     zooms: &[1.0, 8.0, 64.0],
