@@ -65,13 +65,13 @@ fn measure(name: String, files: &[String], args: &Args) -> Result<Reading> {
     let bytes = |file: &String| std::fs::metadata(file).map(|m| m.len()).with_context(|| file.clone());
     let bytes = files.iter().map(bytes).sum::<Result<u64>>()?;
     // None where some file is of another format.
-    let text = timed(&|file| Ok(import::count_entities(Path::new(file))?.context("no STEP file")?)).ok();
+    let text = timed(&|file| import::count_entities(Path::new(file))?.context("no STEP file")).ok();
     let whole = |work: &(dyn Fn(&String) -> Result<u64> + Sync)| match args.text_only {
         true => Ok(None),
         false => timed(work).map(|(ms, _)| Some(ms)),
     };
     let model = whole(&|file| Ok(import::load(file).map(|_| 0)?))?;
-    let scene = whole(&|file| Ok(prepare_model(&import::load(file)?).map(|_| 0)?))?;
+    let scene = whole(&|file| prepare_model(&import::load(file)?).map(|_| 0))?;
     Ok(Reading { name, bytes, entities: text.map(|t| t.1), text: text.map(|t| t.0), model, scene })
 }
 
