@@ -1,14 +1,18 @@
-"""What bench/library.sh does with the unpacked library: reads all of it, draws all of it, checks sampled pixels.
+"""What bench/library.sh does with the unpacked library: reads all of it, draws all of it, checks what was drawn.
 
-`library.py report FOLDER RESULTS [LIST]`, `library.py sample FOLDER > bench/library_sample.txt`, and
-`library.py files FOLDER [LIST]`: file by file, those that fail, lose faces or have another number than the text.
+`library.py report FOLDER RESULTS [LIST]`: every file by itself (`info`: faces against the text, warnings), then all as one
+scene (`render`, `perf record` of the same, `verify`), then RESULTS.md and .json. Each step's result is kept under
+target/library-run while the program and the list stay the same, so a run that was cut off goes on; delete that folder to
+start anew. `library.py sample FOLDER > bench/library_sample.txt` draws the sample, and `library.py files FOLDER [LIST]`
+lists files that fail, lose faces or have another number of them than the text.
 """
 
+import hashlib
 import json
 import os
 import random
 import re
-import resource
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -18,10 +22,16 @@ from concurrent.futures import ThreadPoolExecutor
 from datetime import date
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from library_report import markdown
+
 ROOT = Path(__file__).resolve().parent.parent
-PROGRAM = ROOT / "target/release/halfpixel"
-MARK = b"ADVANCED_FACE"
+PROGRAM = Path(os.environ.get("HALFPIXEL") or ROOT / "target/release/halfpixel")
+RUNS = ROOT / "target/library-run"
+# Faces are entities of these words, by the text alone; the reader has no part in the count.
+FACE = re.compile(rb"=\s*(ADVANCED_FACE|FACE_SURFACE)\s*\(")
 SEED = 20261123
+SIZE = "3840x2160"
 
 
 def step_files(folder):
@@ -29,8 +39,8 @@ def step_files(folder):
 
 
 def count_faces(path):
-    """ADVANCED_FACE entities in the text, by the word alone."""
-    return path.read_bytes().count(MARK)
+    """Face entities in the text."""
+    return len(FACE.findall(path.read_bytes()))
 
 
 def sample(folder):
@@ -93,122 +103,162 @@ def commit():
     return git("rev-parse", "--short=12", "HEAD") + ("-dirty" if git("status", "--porcelain", "-uno") else "")
 
 
-def report(folder, results, limit=None):
-    files = step_files(folder)
-    if limit:
-        files = [folder / line for line in limit]
-    scanning = time.monotonic()
-    entities = sum(count_faces(path) for path in files)
-    scan_seconds = time.monotonic() - scanning
-    size = sum(path.stat().st_size for path in files)
-    print(f"{len(files)} files, {size / 1e6:.1f} MB, {entities} ADVANCED_FACE, text scanned in {scan_seconds:.1f} s", flush=True)
-    with tempfile.NamedTemporaryFile("w", suffix=".txt") as names:
-        names.write("".join(f"{path.resolve()}\n" for path in files))
-        names.flush()
-        source = ["@" + names.name, "--layout", "grid"]
-        info_run = run([PROGRAM, "info", *source, "--json"], 1800)
-        print(f"info: {info_run['seconds']:.1f} s, exit {info_run['code']} {info_run['errors'][-300:]}", flush=True)
-        picture = results.parent / "library.png"
-        stats_file = ROOT / "target/library-stats.json"
-        render = run([PROGRAM, "render", *source, "--size", "3840x2160", "--stats", stats_file, "-o", picture], 1800)
-        print(f"render: {render['seconds']:.1f} s, exit {render['code']} {render['errors'][-300:]}", flush=True)
-        verify = run([PROGRAM, "verify", *source, "--size", "3840x2160", "--samples", "100000", "--json"], 3600)
-        print(f"verify: {verify['seconds']:.1f} s, exit {verify['code']} {verify['errors'][-300:]}", flush=True)
-    info, checked = parsed(info_run) or {}, parsed(verify) or {}
-    stats = json.loads(stats_file.read_text()) if render["code"] == 0 and stats_file.is_file() else None
-    warnings = Counter(kind_of(w) for w in info.get("warnings", []))
-    read = info_run["code"] == 0 and bool(info)
-    lost = info.get("lost") or []
-    lost = lost if isinstance(lost, list) else [str(lost)]
-    data = {
-        "machine": machine(), "commit": commit(), "date": date.today().isoformat(),
-        "files": len(files), "bytes_of_text": size, "face_entities": entities,
-        "info": {k: v for k, v in info.items() if k not in ("warnings", "face_list", "lost", "model")},
-        "info_seconds": info_run["seconds"], "info_peak_mb": info_run["peak_mb"], "info_errors": info_run["errors"][-2000:],
-        "info_exit": info_run["code"], "lost": len(lost) if read else None, "lost_by_kind": Counter(kind_of(w) for w in lost).most_common(40),
-        "warnings": sum(warnings.values()) if read else None, "warnings_by_kind": warnings.most_common(40),
-        "render_seconds": render["seconds"], "render_peak_mb": render["peak_mb"], "render_exit": render["code"],
-        "render_errors": render["errors"][-2000:], "stats": stats,
-        "verify_seconds": verify["seconds"], "verify_peak_mb": verify["peak_mb"], "verify_exit": verify["code"],
-        "verify_errors": verify["errors"][-2000:], "verify": checked,
-    }
-    results.parent.mkdir(parents=True, exist_ok=True)
-    results.with_suffix(".json").write_text(json.dumps(data, indent=1) + "\n")
-    results.with_suffix(".md").write_text(markdown(data))
-    print(markdown(data))
-    return 0 if info_run["code"] == render["code"] == verify["code"] == 0 else 1
+def fingerprint(files):
+    """Of the program and the list: results of others are not used again."""
+    digest = hashlib.sha256(PROGRAM.read_bytes())
+    for path in files:
+        digest.update(str(path).encode())
+    return digest.hexdigest()[:16]
 
 
-def check_file(path):
-    """What is wrong with one file, or None."""
-    result = run([PROGRAM, "info", path, "--json"], 600)
+class Steps:
+    """Results of one run, each kept in a file once it is there."""
+
+    def __init__(self, files):
+        self.folder = RUNS / fingerprint(files)
+        self.folder.mkdir(parents=True, exist_ok=True)
+
+    def once(self, name, work):
+        kept = self.folder / f"{name}.json"
+        if kept.is_file():
+            return json.loads(kept.read_text())
+        start = time.monotonic()
+        result = work()
+        partial = kept.with_suffix(".partial")
+        partial.write_text(json.dumps(result))
+        partial.rename(kept)
+        print(f"{name}: {time.monotonic() - start:.0f} s", flush=True)
+        return result
+
+
+def look_at(path):
+    """One file by itself: what `info` says of it, and what its text says."""
+    result = run([PROGRAM, "info", path, "--threads", "1", "--json"], 1200)
     info = parsed(result)
+    row = {"file": str(path), "text_bytes": path.stat().st_size, "entities": count_faces(path), "exit": result["code"],
+           "seconds": result["seconds"], "peak_mb": result["peak_mb"]}
     if info is None:
-        return f"exit {result['code']} after {result['seconds']:.1f} s: {result['errors'].strip()[-300:]}"
-    entities, lost = count_faces(path), info.get("lost") or []
-    complaint = f"{info['unique_faces']} faces for {entities} in the text, {len(lost)} lost {lost[:2]}"
-    return complaint if lost or info["unique_faces"] != entities else None
+        return {**row, "errors": result["errors"].strip()[-300:]}
+    kept = ("faces", "unique_faces", "surface_types", "bezier_patches", "area", "bytes", "trim_curves", "lost", "warnings")
+    return {**row, **{key: info.get(key) for key in kept}}
+
+
+def look_at_all(files, cache):
+    """Rows of all files; those in the cache (one JSON object a line) are not looked at again."""
+    rows = {}
+    if cache.is_file():
+        for line in cache.read_text().splitlines():
+            try:
+                row = json.loads(line)
+            except json.JSONDecodeError:
+                continue  # The last line of a run that was cut off.
+            rows[row["file"]] = row
+    left = [path for path in files if str(path) not in rows]
+    start = time.monotonic()
+    with ThreadPoolExecutor(os.cpu_count()) as pool, cache.open("a") as out:
+        out.write("\n")
+        for done, row in enumerate(pool.map(look_at, left), 1):
+            rows[row["file"]] = row
+            out.write(json.dumps(row) + "\n")
+            out.flush()
+            if done % 500 == 0 or done == len(left):
+                print(f"{done} of {len(left)} files, {time.monotonic() - start:.0f} s", flush=True)
+    return [rows[str(path)] for path in files]
+
+
+def summary(rows, folder):
+    """Sums over the files, and what deserves a look."""
+    total, kinds, in_files, examples, surfaces = Counter(), Counter(), Counter(), {}, Counter()
+    lost, differ, failed = Counter(), [], []
+    for row in rows:
+        name = os.path.relpath(row["file"], folder)
+        total.update(files=1, text_bytes=row["text_bytes"], face_entities=row["entities"])
+        if row["exit"] != 0:
+            failed.append({"file": name, "why": row.get("errors", "")})
+            continue
+        for key in ("faces", "unique_faces", "bezier_patches", "bytes", "trim_curves"):
+            total[key] += row.get(key) or 0
+        surfaces.update(row["surface_types"])
+        if row["unique_faces"] != row["entities"] or row["lost"]:
+            differ.append({"file": name, "entities": row["entities"], "unique_faces": row["unique_faces"],
+                           "faces": row["faces"], "lost": len(row["lost"])})
+        lost.update(kind_of(w) for w in row["lost"])
+        own = Counter(kind_of(w) for w in row["warnings"])
+        kinds.update(own)
+        in_files.update(own.keys())
+        for warning in row["warnings"]:
+            examples.setdefault(kind_of(warning), f"{name}: {warning if isinstance(warning, str) else warning['message']}")
+    warnings = [{"kind": k, "count": n, "files": in_files[k], "example": examples[k]} for k, n in kinds.most_common()]
+    return {**total, "lost": sum(lost.values()), "lost_by_kind": lost.most_common(), "surface_types": dict(surfaces),
+            "warnings": sum(kinds.values()), "files_with_warnings": sum(1 for r in rows if r.get("warnings")),
+            "warnings_by_kind": warnings, "failed": failed, "differ": differ,
+            "info_seconds": sum(r["seconds"] for r in rows), "largest_peak_mb": max(r["peak_mb"] for r in rows)}
+
+
+def profile(source, folder):
+    """Where `render` spends its time, by perf's samples; None where there is no perf."""
+    if not shutil.which("perf"):
+        return None
+    data = folder / "perf.data"
+    recorded = run(["perf", "record", "-F", "199", "-o", data, PROGRAM, "render", *source, "--size", SIZE,
+                    "-o", folder / "profiled.png"], 3600)
+    report = run(["perf", "report", "-i", data, "--stdio", "--no-children", "--no-inline", "-F", "overhead,symbol", "-t", ";"], 1800)
+    data.unlink(missing_ok=True)
+    if recorded["code"] != 0 or report["code"] != 0:
+        return {"error": (recorded["errors"] + report["errors"])[-500:]}
+    symbols = []
+    for line in report["output"].splitlines():
+        found = re.match(r"\s*([\d.]+)%\s*;\s*\[(.)\]\s*(.*\S)", line)
+        if found:
+            symbols.append([float(found[1]), "kernel" if found[2] == "k" else found[3]])
+    return {"symbols": symbols}
+
+
+def report(folder, results, limit=None):
+    files = [folder / line for line in limit] if limit else step_files(folder)
+    files = [path.resolve() for path in files]
+    steps = Steps(files)
+    names = steps.folder / "files.txt"
+    names.write_text("".join(f"{path}\n" for path in files))
+    source = [f"@{names}", "--layout", "grid"]
+    rows = look_at_all(files, steps.folder / "files.jsonl")
+    picture, stats = results.parent / "library.png", steps.folder / "stats.json"
+    results.parent.mkdir(parents=True, exist_ok=True)
+
+    def reading():
+        result = run([PROGRAM, "bench", "reading", f"@{names}", "--text-only", "--repeats", "1", "--json"], 3600)
+        return {**result, "output": parsed(result)}
+
+    def render():
+        result = run([PROGRAM, "render", *source, "--size", SIZE, "--stats", stats, "-o", picture], 3600)
+        return {**result, "stats": json.loads(stats.read_text()) if result["code"] == 0 else None}
+
+    def verify():
+        result = run([PROGRAM, "verify", *source, "--size", SIZE, "--json"], 3600)
+        return {**result, "output": parsed(result)}
+
+    data = {"machine": machine(), "commit": commit(), "date": date.today().isoformat(), "size": SIZE,
+            "summary": summary(rows, folder.resolve()), "reading": steps.once("reading", reading),
+            "render": steps.once("render", render), "profile": steps.once("profile", lambda: profile(source, steps.folder)),
+            "verify": steps.once("verify", verify)}
+    results.with_suffix(".json").write_text(json.dumps(data, indent=1) + "\n")
+    text = markdown(data)
+    results.with_suffix(".md").write_text(text)
+    print(text)
+    failed = data["summary"]["failed"] or data["summary"]["lost"]
+    return 1 if failed or data["render"]["code"] or data["verify"]["code"] else 0
 
 
 def check_files(paths, root):
-    wrong = 0
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for path, complaint in zip(paths, pool.map(check_file, paths)):
-            if complaint:
-                wrong += 1
-                print(f"{path.relative_to(root)}: {complaint}", flush=True)
-    print(f"{len(paths)} files, {wrong} to look at")
-    return 1 if wrong else 0
-
-
-def stages_of(stats):
-    """(stage, milliseconds) rows, whatever nests them."""
-    rows = stats if isinstance(stats, list) else stats.get("stages", []) if isinstance(stats, dict) else []
-    if isinstance(rows, dict):
-        return [(name, value) for name, value in rows.items() if isinstance(value, (int, float))]
-    return [(row.get("stage") or row.get("name"), row.get("ms")) for row in rows if isinstance(row, dict)]
-
-
-def shown(count):
-    return "-" if count is None else count
-
-
-def markdown(data):
-    info, checked = data["info"], data["verify"] or {}
-    done = lambda what, text: text if data[f"{what}_exit"] == 0 else "-"
-    mb = data["bytes_of_text"] / 1e6
-    worst = lambda key: (checked.get(key) or {}).get("max", "-")
-    rows = [
-        ("files", data["files"]), ("text, MB", f"{mb:.1f}"), ("ADVANCED_FACE in the text", data["face_entities"]),
-        ("unique faces read", info.get("unique_faces", "-")), ("faces drawn", info.get("faces", "-")),
-        ("faces lost", shown(data["lost"])), ("Bézier patches", info.get("bezier_patches", "-")),
-        ("bytes of the scene, MB", f"{info['bytes'] / 1e6:.0f}" if info.get("bytes") else "-"),
-        ("warnings", shown(data["warnings"])),
-        ("`info`: read, measure, prepare, s", done("info", f"{data['info_seconds']:.1f}")),
-        ("`render`, whole process, s", done("render", f"{data['render_seconds']:.1f}")),
-        ("text over that, MB/s", done("render", f"{mb / data['render_seconds']:.1f}")),
-        ("`render`, peak memory, MB", done("render", f"{data['render_peak_mb']:.0f}")),
-        ("`verify`, s", "-" if data["verify_exit"] not in (0, 1) else f"{data['verify_seconds']:.1f}"),
-        *((what, checked.get(what, "-")) for what in
-          ("pixels", "drawn", "violations", "cracks", "covering_failures", "depth_failures")),
-        ("grid error, max px", worst("grid_error_px")), ("parametric error, max px", worst("parametric_error_px")),
-        ("refined error, max px", worst("refined_error_px")),
-    ]
-    table = lambda head, body: "\n".join(
-        ["| " + " | ".join(head) + " |", "| " + " | ".join("---" for _ in head) + " |",
-         *("| " + " | ".join(str(c) for c in row) + " |" for row in body)]) + "\n"
-    text = ("# A library of CAD models\n\nAll STEP files of Debian's package kicad-packages3d, as one scene in a grid, "
-            "drawn at 3840x2160 (view iso); bench/library.sh.\n\n"
-            f"Measured on {data['machine']}, commit {data['commit']}, {data['date']}.\n\n" + table(("what", "value"), rows))
-    if data["stats"]:
-        text += "\n## Stages\n\n" + table(("stage", "ms"), stages_of(data["stats"]))
-    for title, key in (("Faces lost, by kind", "lost_by_kind"), ("Warnings, by kind", "warnings_by_kind")):
-        if data[key]:
-            text += f"\n## {title}\n\n" + table(("count", "kind"), [(count, kind) for kind, count in data[key]])
-    for what in ("info", "render", "verify"):
-        if data[f"{what}_errors"] and data[f"{what}_exit"]:
-            text += f"\n`{what}` failed: {data[f'{what}_errors'].strip().splitlines()[-1]}\n"
-    return text
+    cache = RUNS / fingerprint(paths) / "files.jsonl"
+    cache.parent.mkdir(parents=True, exist_ok=True)
+    found = summary(look_at_all(paths, cache), root)
+    for row in found["failed"] + found["differ"]:
+        print(json.dumps(row))
+    for row in found["warnings_by_kind"]:
+        print(f"{row['count']} in {row['files']} files: {row['kind']}; {row['example']}")
+    print(f"{len(paths)} files, {found['unique_faces']} faces for {found['face_entities']} in the text, {found['lost']} lost")
+    return 1 if found["failed"] or found["lost"] else 0
 
 
 def main(arguments):
@@ -216,9 +266,10 @@ def main(arguments):
         case ["sample", folder]:
             print("\n".join(sample(Path(folder))))
         case ["files", folder]:
-            return check_files(step_files(folder), folder)
+            return check_files([p.resolve() for p in step_files(folder)], Path(folder).resolve())
         case ["files", folder, names]:
-            return check_files([Path(folder) / name for name in Path(names).read_text().split()], folder)
+            paths = [(Path(folder) / name).resolve() for name in Path(names).read_text().split()]
+            return check_files(paths, Path(folder).resolve())
         case ["report", folder, results]:
             return report(Path(folder), Path(results))
         case ["report", folder, results, names]:

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # A whole library of CAD models as one scene: Debian's package kicad-packages3d (6,227 STEP files, 4.4 GB of text),
-# unpacked and never installed. Writes bench/results/library.md, .json and .png.
+# unpacked and never installed. Writes bench/results/library.md, .json and .png. About a quarter of an hour and 7 GB of
+# memory; a run that was cut off goes on where it was.
 #
 #   bench/library.sh            all of it (needs 5 GB of disk)
 #   bench/library.sh sample     the 60 files of bench/library_sample.txt; results go to target/

@@ -1,6 +1,9 @@
 //! Sixty files of a real library (bench/library_sample.txt): every face of the text is read.
 
 use halfpixel::import;
+use halfpixel::scene::{ViewSpec, prepare};
+use halfpixel::stages::{Options, Renderer};
+use halfpixel::verify::{Sampling, verify};
 use std::path::{Path, PathBuf};
 
 /// The folder that scripts/fetch_library.sh filled; says how to get it where there is none.
@@ -48,4 +51,26 @@ fn every_face_of_the_sample_is_read() {
         }
     }
     assert!(wrong.is_empty(), "\n{wrong}");
+}
+
+/// Files of the whole library that were wrong once, all pixels of the usual view.
+#[test]
+fn files_that_contradict_themselves_are_drawn_whole() {
+    let folder = std::env::var_os("HALFPIXEL_LIBRARY").map(PathBuf::from);
+    let folder = folder.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("target/library"));
+    // Edges run against their loops, and the walls between show their backs.
+    for name in ["Diode_THT.3dshapes/Diode_Bridge_GeneSiC_KBPC_T.step"] {
+        let path = folder.join(name);
+        if !path.is_file() {
+            eprintln!("skipped: there is no {name} (scripts/fetch_library.sh target/library)");
+            continue;
+        }
+        let model = import::load(&path.to_string_lossy()).expect(name);
+        let scene = prepare(&model, &|_, _| {}).expect(name);
+        let camera = ViewSpec { size: [400, 300], ..ViewSpec::default() }.camera(&scene.bounds).expect("a camera");
+        let frame = Renderer::new(&scene).render(&camera, &Options::default()).expect("a frame");
+        let pixels = |x, y| frame.pixel(x, y);
+        let report = verify(&scene, &camera, &Options::default(), &pixels, &Sampling::default(), &|_, _| {});
+        assert!(report.drawn > 10_000 && report.passed(), "{name}: {:?}", report.worst);
+    }
 }

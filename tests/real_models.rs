@@ -37,3 +37,9 @@ fn steep_walls_meet_trimmed_planes() {
     keeps_the_contract("NIST_MBE_PMI_2.stp", View::Top, 1.0);
     keeps_the_contract("11752.stp", View::Iso, 1.0);
 }
+
+/// Refinement ends up to 1/512 px outside a face's trim; of some faces there nothing but the edge is in sight.
+#[test]
+fn edges_of_hidden_faces_may_be_shown() {
+    keeps_the_contract("kicad_Molex_SlimStack_54722-0804_2x40.step", View::Left, 8.0);
+}

@@ -2,7 +2,7 @@
 
 use super::{UsageError, output};
 use crate::import::{self, ImportError};
-use crate::model::{Layout, Model, Warning};
+use crate::model::{Instance, Layout, Model, Warning};
 use crate::scene::{Scene, prepare};
 use anyhow::{Context, Result, anyhow, bail};
 use clap::ValueEnum;
@@ -10,6 +10,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::path::Path;
 
 /// What is read, and how.
 #[derive(Clone, Debug, clap::Args)]
@@ -119,7 +120,7 @@ impl ModelArgs {
     }
 
     /// The files asked for, lists read. Their paths are relative to where the program runs, like all others.
-    fn files(&self) -> Result<Vec<String>> {
+    pub(super) fn files(&self) -> Result<Vec<String>> {
         let mut files = Vec::new();
         for model in &self.models {
             let Some(list) = model.strip_prefix('@') else {
@@ -172,8 +173,12 @@ impl ModelArgs {
     }
 }
 
-/// What is said of a file among others names it.
+/// What is said of a file among others names it, and so do its instances.
 fn with_origin(mut model: Model, file: &str) -> Model {
+    let short = Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy());
+    for Instance { name, .. } in &mut model.instances {
+        *name = if name.is_empty() { short.clone().into_owned() } else { format!("{short}/{name}") };
+    }
     for Warning { message, .. } in model.warnings.iter_mut().chain(&mut model.lost) {
         *message = format!("{file}: {message}");
     }

@@ -130,8 +130,10 @@ fn table(v: &Verification, image: Option<&Path>) -> String {
     }
     for o in r.worst.iter().take(LISTED) {
         let patch = o.patch.map_or("background".to_owned(), |p| format!("patch {p}"));
+        let face =
+            o.face.map_or(String::new(), |f| format!(" of #{f} in {}", o.name.as_deref().unwrap_or("the model")));
         let error = o.error_px.map_or(String::new(), |e| format!(", {e:.4} px"));
-        let _ = writeln!(text, "  pixel ({}, {}): {}, {patch}{error}", o.x, o.y, o.kind.name());
+        let _ = writeln!(text, "  pixel ({}, {}): {}, {patch}{face}{error}", o.x, o.y, o.kind.name());
     }
     text
 }

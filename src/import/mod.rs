@@ -81,6 +81,12 @@ fn read_from(bytes: &[u8], path: &Path, origin: &Origin) -> Result<Model, Import
     read(bytes, origin).map_err(|e| ImportError::Format { path: path_buf(), line: e.line, what: e.what })
 }
 
+/// Reads only the text of a STEP file: the number of entities in it. `None` for other formats.
+pub fn count_entities(path: &Path) -> Result<Option<u64>, ImportError> {
+    let bytes = read_file(path)?;
+    Ok(step::matches(&bytes).then(|| step::count_entities(&bytes)))
+}
+
 fn read_file(path: &Path) -> Result<Vec<u8>, ImportError> {
     let failed = |error| ImportError::Io { path: path.to_path_buf(), error };
     let file = File::open(path).map_err(failed)?;

@@ -127,6 +127,7 @@ impl Sides {
 
 #[derive(Clone, Debug)]
 pub struct SceneInstance {
+    pub name: String,
     /// The patches it draws, in `Scene::patches`.
     pub patches: Range<usize>,
     /// Part coordinates to world.

@@ -5,7 +5,7 @@ use super::{
     visible_sides,
 };
 use crate::geometry::{BezierPatch, Net};
-use crate::model::{Face, Model, Part, Solidity};
+use crate::model::{Face, Instance, Model, Part, Solidity};
 use glam::{DVec3, DVec4};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -44,7 +44,8 @@ pub fn prepare(model: &Model, progress: &(dyn Fn(usize, usize) + Sync)) -> Resul
     for (k, instance) in model.instances.iter().enumerate() {
         let missing = || PrepareError::MissingPart { instance: k, part: instance.part, parts: model.parts.len() };
         let patches = part_patches.get(instance.part).ok_or_else(missing)?.clone();
-        scene.instances.push(SceneInstance { patches, transform: instance.transform, color: instance.color });
+        let Instance { name, transform, color, .. } = instance.clone();
+        scene.instances.push(SceneInstance { name, patches, transform, color });
     }
     let [low, high] = model.bounds().ok_or(PrepareError::Empty)?;
     scene.bounds = Bounds { low, high };

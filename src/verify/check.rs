@@ -16,6 +16,11 @@ pub(super) const HALF_PIXEL: f64 = 0.5;
 /// weight, two products, two sums), and where two compete both err: 20 to 24 half-ulps at worst. Sixteen are allowed.
 const DEPTH_ROUNDING: f64 = 16.0 * f32::EPSILON as f64 / 2.0;
 
+/// Refinement ends within 1/512 px of a pixel's centre in x and in y, and trims are tested where it ends. So a shown point
+/// may lie outside its face's trims by that and the rounding of f32, on the diagonal; it stands for the point of the trim
+/// beside it, which is the face's.
+const REFINED: f64 = 1.0 / 128.0;
+
 /// Sub-samples a side; they span the closed square, so the middle one is the centre.
 const SIDE: usize = 5;
 
@@ -140,7 +145,8 @@ impl Check<'_, '_> {
         let uv = [pixel.stored, pixel.interpolated];
         let visible = |(point, uv): (Option<ImagePoint>, [f64; 2])| {
             point.is_some_and(|p| {
-                self.oracle.belongs(pixel.instance, pixel.patch, uv, 0.0) && self.is_visible(&p, samples.center, face)
+                self.oracle.belongs(pixel.instance, pixel.patch, uv, REFINED)
+                    && self.is_visible(&p, samples.center, face)
             })
         };
         (0..SIDE * SIDE).any(|i| self.shows(samples.ray(i), face))

@@ -26,15 +26,19 @@ impl Hierarchy {
     /// Over items 0, 1, ... with these boxes.
     pub fn new(boxes: impl Iterator<Item = ImageBox>) -> Self {
         let mut items: Vec<_> = boxes.zip(0..).collect();
-        let mut nodes = Vec::with_capacity(items.len());
+        let mut nodes = Vec::with_capacity(if items.len() <= ITEMS_PER_LEAF { 1 } else { items.len() });
         if !items.is_empty() {
             build(&mut nodes, &mut items, 0);
         }
         Self { nodes, items }
     }
 
+    pub fn bytes(&self) -> usize {
+        self.nodes.capacity() * size_of::<Node>() + self.items.capacity() * size_of::<(ImageBox, u32)>()
+    }
+
     /// Calls `visit(item, its box)` for every item whose box, `slack` wider, holds `p`.
-    pub fn visit(&self, p: DVec2, slack: f64, mut visit: impl FnMut(u32, &ImageBox)) {
+    pub fn visit<'a>(&'a self, p: DVec2, slack: f64, mut visit: impl FnMut(u32, &'a ImageBox)) {
         let mut at = 0;
         while let Some(node) = self.nodes.get(at) {
             if !node.bounds.contains(p, slack) {

@@ -1,16 +1,13 @@
 //! Which patches the ray through an image point meets, where, and how far away.
 
 use super::RESOLUTION;
-use super::hierarchy::Hierarchy;
-use super::piece::{Certificate, ImageBox, Piece, subdivide};
-use super::ray::{Meeting, Ray, view_net};
+use super::cut::{Candidate, Cut, Cuts, Leaf};
+use super::ray::{Meeting, Ray};
 use super::rim::Passing;
 use super::trims::{Trims, WIDEST_REACH};
 use super::view::{Drawn, ImagePoint, View};
-use crate::geometry::BezierPatch;
 use crate::scene::{Camera, Scene};
 use glam::{DVec2, DVec4};
-use rayon::prelude::*;
 
 /// One intersection of a ray with a drawn patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,70 +43,36 @@ pub(super) type Edge = Option<u32>;
 pub struct Oracle<'a> {
     scene: &'a Scene,
     view: View,
-    drawn: Vec<Drawn>,
-    leaves: Vec<Leaf>,
-    hierarchy: Hierarchy,
+    cuts: Cuts,
     trims: Trims<'a>,
     /// Pixels by which faces reach beyond their trims, at most.
     reach: f64,
 }
 
-/// A part of a patch that lies in one box of the image.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Leaf {
-    /// Index into `Oracle::drawn`.
-    drawn: u32,
-    /// `[[u0, u1], [v0, v1]]`
-    pub domain: [[f64; 2]; 2],
-    /// That no ray meets it twice, with the view point at its middle.
-    pub certificate: Option<(Certificate, DVec4)>,
-}
-
-/// Rays may start this many pixels outside the image.
-const MARGIN: f64 = 1.0;
-
-/// Parts of this many pixels are left to the single ray where they can't be certified (silhouettes run through them).
-const LEAF_PIXELS: f64 = 4.0;
-
 /// Points looked at on the way from one parameter to another.
 const WAY_POINTS: u32 = 8;
 
-/// Parts a patch is cut into at most.
-const MAX_LEAVES: usize = 4096;
-
 impl<'a> Oracle<'a> {
-    /// Cuts every drawn patch that shows in the image into parts, and orders their boxes.
+    /// Finds the patches that show in the image. What rays need of them, and of their faces' trims, is made when a ray
+    /// first comes near.
     ///
     /// Patches with coordinates that are not finite in this view can't be hit.
     pub fn new(scene: &'a Scene, camera: &Camera) -> Self {
         let view = View::new(camera);
-        let pairs: Vec<_> = (0..)
-            .zip(&scene.instances)
-            .flat_map(|(instance, placed)| placed.patches.clone().map(move |patch| (instance, patch as u32)))
-            .collect();
-        let cut: Vec<_> = pairs
-            .into_par_iter()
-            .map(|(instance, patch)| {
-                let mut drawn = view.drawn(scene, instance, patch);
-                let net = view_net(scene, &drawn);
-                drawn.noise = view.noise(net.net());
-                (drawn, leaves(&view, net))
-            })
-            .filter(|(_, leaves)| !leaves.is_empty())
-            .collect();
-        let mut drawn = Vec::with_capacity(cut.len());
-        let mut boxes = Vec::new();
-        let mut all = Vec::new();
-        for (patch, leaves) in cut {
-            for (bounds, leaf) in leaves {
-                boxes.push(bounds);
-                all.push(Leaf { drawn: drawn.len() as u32, ..leaf });
-            }
-            drawn.push(patch);
-        }
         let trims = Trims::new(scene);
         let reach = trims.widest_reach(camera);
-        Self { scene, view, drawn, leaves: all, hierarchy: Hierarchy::new(boxes.into_iter()), trims, reach }
+        Self { scene, view, cuts: Cuts::new(scene, &view), trims, reach }
+    }
+
+    /// Memory of what was made for rays so far, in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        self.cuts.bytes() + self.trims.bytes()
+    }
+
+    /// Drops what was made for rays; the next ones make what they need again, to the bit.
+    pub(super) fn forget(&mut self) {
+        self.cuts.forget();
+        self.trims.forget();
     }
 
     /// Every intersection of the ray through image point (x, y) with every drawn face, nearest first; nothing nearer
@@ -130,39 +93,36 @@ impl<'a> Oracle<'a> {
     fn sights(&self, point: DVec2, reach: f64, limit: impl Fn(f64) -> f64) -> Vec<Sight> {
         let pixel = point - self.view.camera().center();
         let mut candidates = Vec::new();
-        self.hierarchy.visit(pixel, reach + RESOLUTION, |leaf, bounds| {
-            candidates.push((bounds.depth, leaf, bounds.contains(pixel, RESOLUTION)));
-        });
-        candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        let all = |_, _| true;
+        self.cuts.visit(self.scene, &self.view, (pixel, reach + RESOLUTION), all, |part| candidates.push(part));
+        candidates.sort_unstable_by(|a, b| a.bounds.depth.total_cmp(&b.bounds.depth).then(a.number.cmp(&b.number)));
         let mut hits = Vec::new();
         let mut beyond: Vec<Sight> = Vec::new();
         let mut rims = Vec::new();
         let mut found = Vec::new();
         let mut nearest = f64::INFINITY;
         let mut farthest = f64::INFINITY;
-        for (depth, leaf, direct) in candidates {
-            if depth > farthest {
+        for Candidate { cut: Cut { drawn, .. }, leaf, bounds, .. } in candidates {
+            if bounds.depth > farthest {
                 break;
             }
-            let leaf = &self.leaves[leaf as usize];
-            let Drawn { instance, patch, .. } = self.drawn[leaf.drawn as usize];
-            if direct {
-                self.meet(leaf, pixel, &mut found);
+            if bounds.contains(pixel, RESOLUTION) {
+                self.meet(drawn, leaf, pixel, &mut found);
             }
             for meeting in found.drain(..) {
                 if meeting.depth < nearest {
                     nearest = meeting.depth;
                     farthest = limit(nearest);
                 }
-                add(&mut hits, leaf.drawn, meeting);
+                add(&mut hits, drawn, meeting);
             }
-            let face = (instance, self.scene.patches[patch as usize].face);
+            let face = (drawn.instance, self.scene.patches[drawn.patch as usize].face);
             if self.trims.are_on(face.1) && !rims.contains(&face) {
                 rims.push(face);
                 self.pass(point, reach, face, &mut beyond);
             }
         }
-        let hits = hits.into_iter().map(|(drawn, meeting)| Sight { hit: self.hit(drawn, &meeting), shell: None });
+        let hits = hits.into_iter().map(|(drawn, meeting)| Sight { hit: hit(drawn, &meeting), shell: None });
         self.merged(hits.collect(), beyond, limit)
     }
 
@@ -208,7 +168,7 @@ impl<'a> Oracle<'a> {
     pub(super) fn has_edge(&self, sight: &Sight, edge: Edge, (instance, face): (u32, u32)) -> bool {
         sight.hit.instance == instance
             && match edge {
-                Some(edge) => self.trims.faces_at(instance, edge).contains(&face),
+                Some(edge) => self.trims.faces_at(instance, edge).contains(&[edge, face]),
                 None => self.scene.patches[sight.hit.patch as usize].face == face,
             }
     }
@@ -242,14 +202,11 @@ impl<'a> Oracle<'a> {
     pub(super) fn meetings(&self, point: DVec2, instance: u32, patch: u32) -> Vec<Hit> {
         let pixel = point - self.view.camera().center();
         let mut found = Vec::new();
-        self.hierarchy.visit(pixel, RESOLUTION, |leaf, _| {
-            let leaf = &self.leaves[leaf as usize];
-            let drawn = &self.drawn[leaf.drawn as usize];
-            if drawn.instance == instance && drawn.patch == patch {
-                let mut meetings = Vec::new();
-                self.meet(leaf, pixel, &mut meetings);
-                found.extend(meetings.iter().map(|m| self.hit(leaf.drawn, m)));
-            }
+        let wanted = |i, p| (i, p) == (instance, patch);
+        self.cuts.visit(self.scene, &self.view, (pixel, RESOLUTION), wanted, |Candidate { cut, leaf, .. }| {
+            let mut meetings = Vec::new();
+            self.meet(&cut.drawn, leaf, pixel, &mut meetings);
+            found.extend(meetings.iter().map(|m| hit(&cut.drawn, m)));
         });
         found
     }
@@ -282,8 +239,7 @@ impl<'a> Oracle<'a> {
         self.view.camera()
     }
 
-    fn meet(&self, leaf: &Leaf, pixel: DVec2, found: &mut Vec<Meeting>) {
-        let drawn = &self.drawn[leaf.drawn as usize];
+    fn meet(&self, drawn: &Drawn, leaf: &Leaf, pixel: DVec2, found: &mut Vec<Meeting>) {
         let start = found.len();
         Ray { scene: self.scene, view: &self.view, drawn, pixel }.meet(leaf, found);
         let kept = (start..found.len()).filter(|&k| self.trims.contain(drawn.patch, found[k].parameter));
@@ -291,47 +247,24 @@ impl<'a> Oracle<'a> {
         found.truncate(start);
         found.extend(kept);
     }
-
-    fn hit(&self, drawn: u32, meeting: &Meeting) -> Hit {
-        let Drawn { instance, patch, .. } = self.drawn[drawn as usize];
-        let [u, v] = meeting.parameter;
-        Hit { instance, patch, u, v, depth: meeting.depth, certified: meeting.certified }
-    }
 }
 
-/// Cuts one patch until its parts are certified or small, and drops what is outside the image or nearer than near.
-fn leaves(view: &View, net: BezierPatch) -> Vec<(ImageBox, Leaf)> {
-    let mut leaves = Vec::new();
-    if !net.points().iter().all(|q| q.is_finite()) {
-        return leaves;
-    }
-    let reach = view.camera().center() + MARGIN;
-    let screen = ImageBox { low: -reach, high: reach, depth: 0.0 };
-    subdivide(Piece::whole(net), view, MAX_LEAVES, |piece, last| {
-        let Some(image) = piece.image_box(view).filter(|image| image.meets(&screen)) else { return false };
-        let bounds = image.clip(&screen);
-        let net = piece.net.net();
-        let half = bounds.size() * 0.5 + RESOLUTION;
-        let certificate = Certificate::of(net, view, bounds.center(), half).map(|c| (c, net.jet(0.5, 0.5).point));
-        if certificate.is_none() && !last && bounds.size().max_element() > LEAF_PIXELS {
-            return true;
-        }
-        leaves.push((bounds, Leaf { drawn: 0, domain: piece.domain, certificate }));
-        false
-    });
-    leaves
+fn hit(&Drawn { instance, patch, .. }: &Drawn, meeting: &Meeting) -> Hit {
+    let [u, v] = meeting.parameter;
+    Hit { instance, patch, u, v, depth: meeting.depth, certified: meeting.certified }
 }
 
 /// Adds a meeting unless it is one that the patch's neighbouring piece has found already.
-fn add(hits: &mut Vec<(u32, Meeting)>, drawn: u32, new: Meeting) {
-    let same = |old: &Meeting| {
+fn add<'a>(hits: &mut Vec<(&'a Drawn, Meeting)>, drawn: &'a Drawn, new: Meeting) {
+    let same = |(of, old): &(&Drawn, Meeting)| {
         // About a tangential hit some small pieces are excluded and others not: these belong together.
         let reach = if old.certified && new.certified { 1.01 } else { 4.0 };
-        (0..2).all(|axis| {
-            (old.parameter[axis] - new.parameter[axis]).abs() <= reach * (old.extent[axis] + new.extent[axis])
-        })
+        (of.instance, of.patch) == (drawn.instance, drawn.patch)
+            && (0..2).all(|axis| {
+                (old.parameter[axis] - new.parameter[axis]).abs() <= reach * (old.extent[axis] + new.extent[axis])
+            })
     };
-    let Some((_, old)) = hits.iter_mut().find(|(of, old)| *of == drawn && same(old)) else {
+    let Some((_, old)) = hits.iter_mut().find(|old| same(old)) else {
         return hits.push((drawn, new));
     };
     if new.certified && !old.certified {

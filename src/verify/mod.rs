@@ -1,7 +1,7 @@
 //! The oracle: what an image should show, in f64 and without any tessellation (DESIGN section 6).
 //!
 //! ```text
-//! Scene, Camera --Oracle::new--> patches cut into parts, boxes in the image
+//! Scene, Camera --Oracle::new--> boxes of the patches in the image   (cut: into parts where a ray comes near)
 //!                                        |
 //! image point --Oracle::hits--> which patches, (u, v), depth      (piece: certificates, ray: Newton)
 //!                                        |
@@ -12,7 +12,9 @@
 //! meets it where two linear functions of it are zero. `piece` cuts patches until a Krawczyk test proves that no ray
 //! through the part's box meets it twice; one Newton iteration then finds the hit or proves that there is none (`ray`).
 //! Parts without proof (silhouettes, edge-on and collapsed patches) are halved for the single ray until they have one
-//! or are smaller than `RESOLUTION` pixels: these count as hits. `hierarchy` finds the parts under a ray.
+//! or are smaller than `RESOLUTION` pixels: these count as hits. `hierarchy` finds the patches and parts under a ray.
+//! Parts and trims are made when a ray first needs them, and dropped between pixels when they have grown large, so that
+//! millions of patches can be judged in little more memory than their scene takes.
 //!
 //! How DESIGN section 6 is read (`check`):
 //! - The 5x5 sub-samples span the closed pixel, corners included; the middle one is the centre. They are shot when a
@@ -24,7 +26,8 @@
 //!   are pushed back on purpose. Both may hold of one pixel: a hidden sheet of a face that is visible.
 //! - A face is a `SceneFace` of an instance. It covers a pixel where it is visible at a sub-sample, at the stored or
 //!   the interpolated point, or on one of 17x17 rays. A sliver thinner than all these that the frame does not show
-//!   itself would be missed, and reported as a failure.
+//!   itself would be missed, and reported as a failure. A stored point that refinement left outside its trims by at most
+//!   1/128 px stands for the trim's point beside it: a face of which only an edge is in sight is visible there.
 //! - The refined error counts where the centre ray meets the shown patch on the sheet that is shown: a ray may meet the
 //!   patch again elsewhere, beyond a silhouette, and refinement must not go there.
 //! - Trims: a hit counts inside the loops (`region`: odd-even on the exact curves) or within `RESOLUTION` of them. A
@@ -41,6 +44,7 @@
 //! Nothing here is shared with the stages but the evaluation of nets, the scene and the camera.
 
 mod check;
+mod cut;
 mod error_image;
 mod hierarchy;
 mod hits;

@@ -2,7 +2,7 @@
 
 use super::piece::{Certificate, Piece, subdivide};
 use super::view::{Drawn, View};
-use super::{RESOLUTION, hits::Leaf};
+use super::{RESOLUTION, cut::Leaf};
 use crate::geometry::{BezierPatch, Jet};
 use crate::scene::Scene;
 use glam::{DMat2, DVec2, DVec4};

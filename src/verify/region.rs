@@ -58,6 +58,12 @@ impl<'a> Region<'a> {
         region
     }
 
+    /// Memory beside the curves themselves.
+    pub fn bytes(&self) -> usize {
+        self.curves.capacity() * size_of::<Side>()
+            + (self.starts.capacity() + self.listed.capacity()) * size_of::<u32>()
+    }
+
     /// As many rows as curves, fewer where long curves would be listed too often.
     fn list_rows(&mut self) {
         let mut rows = self.curves.len().max(1);

@@ -50,7 +50,7 @@ pub struct ErrorStats {
 }
 
 /// A pixel that breaks the contract.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Offender {
     pub kind: Failure,
     pub x: u32,
@@ -58,6 +58,9 @@ pub struct Offender {
     /// What the frame shows there; `None` for background.
     pub instance: Option<u32>,
     pub patch: Option<u32>,
+    /// The instance's name and the file's number of the face, to find it there.
+    pub name: Option<String>,
+    pub face: Option<u32>,
     /// The larger of grid and parametric error.
     pub error_px: Option<f64>,
 }
@@ -82,6 +85,16 @@ impl Failure {
         }
     }
 }
+
+/// Memory that the oracle may hold between batches for patches and trims that rays came near.
+const MOST_BYTES: usize = 1 << 30;
+
+/// Pixels are judged in so many tasks where each then has enough work and not too much of it.
+const TASKS: usize = 2048;
+const SMALLEST_TASK: usize = 64;
+const LARGEST_TASK: usize = 4096;
+/// Between batches no task runs.
+const TASKS_A_BATCH: usize = 64;
 
 /// Offenders listed of each kind.
 const WORST_OF_A_KIND: usize = 16;
@@ -118,44 +131,73 @@ pub fn verify(
     sampling: &Sampling,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Report {
+    judge_in_batches(scene, camera, options, pixels, sampling, progress, MOST_BYTES)
+}
+
+/// As [`verify`]; what the oracle makes for rays is dropped between batches where it exceeds `most_bytes`.
+fn judge_in_batches(
+    scene: &Scene,
+    camera: &Camera,
+    options: &Options,
+    pixels: &(impl Fn(u32, u32) -> Option<Pixel> + Sync),
+    sampling: &Sampling,
+    progress: &(dyn Fn(usize, usize) + Sync),
+    most_bytes: usize,
+) -> Report {
     let start = Instant::now();
-    let oracle = Oracle::new(scene, camera);
-    let check = Check { oracle: &oracle, depth_tolerance: options.depth_tolerance };
+    let mut oracle = Oracle::new(scene, camera);
     let [width, height] = camera.size;
     let chosen = choose(camera.size, pixels, sampling);
     let count = chosen.as_ref().map_or(width as usize * height as usize, Vec::len);
+    let at = |i: usize| chosen.as_ref().map_or(i as u32, |chosen| chosen[i]);
+    let task = (count / TASKS).clamp(SMALLEST_TASK, LARGEST_TASK);
     let done = AtomicUsize::new(0);
-    // A row's worth is enough work for a task, and short enough to balance.
-    let task = (width as usize).clamp(64, 4096);
-    let parts: Vec<(Tally, Vec<Class>)> = (0..count.div_ceil(task))
-        .into_par_iter()
-        .map(|part| {
-            let range = part * task..count.min((part + 1) * task);
-            let length = range.len();
+    let mut tally = Tally::default();
+    let mut map = ErrorMap::new(camera.size);
+    // Pixels go row by row, so what one batch needs the next one mostly needs too.
+    for batch in (0..count).step_by(task * TASKS_A_BATCH) {
+        if oracle.bytes() > most_bytes {
+            oracle.forget();
+        }
+        let check = Check { oracle: &oracle, depth_tolerance: options.depth_tolerance };
+        let end = count.min(batch + task * TASKS_A_BATCH);
+        let judge = |from: usize| {
+            let range = from..end.min(from + task);
             let mut tally = Tally::default();
-            let classes = range
+            let classes: Vec<Class> = range
+                .clone()
                 .map(|i| {
-                    let at = chosen.as_ref().map_or(i as u32, |chosen| chosen[i]);
-                    let (x, y) = (at % width, at / width);
+                    let (x, y) = (at(i) % width, at(i) / width);
                     let pixel = pixels(x, y);
                     let verdict = check.judge(x, y, pixel.as_ref());
                     tally.add(x, y, pixel.as_ref(), &verdict);
                     Class::of(pixel.is_some(), &verdict)
                 })
                 .collect();
-            progress(done.fetch_add(length, Ordering::Relaxed) + length, count);
-            (tally, classes)
-        })
-        .collect();
-    let mut tally = Tally::default();
-    let mut map = ErrorMap::new(camera.size);
-    for (part, (of_part, classes)) in parts.into_iter().enumerate() {
-        for (i, class) in (part * task..).zip(classes) {
-            map.set(chosen.as_ref().map_or(i, |chosen| chosen[i] as usize), class);
+            progress(done.fetch_add(range.len(), Ordering::Relaxed) + range.len(), count);
+            (range, tally, classes)
+        };
+        let parts: Vec<_> = (batch..end).into_par_iter().step_by(task).map(judge).collect();
+        for (range, of_part, classes) in parts {
+            for (i, class) in range.zip(classes) {
+                map.set(at(i) as usize, class);
+            }
+            tally.join(of_part);
         }
-        tally.join(of_part);
     }
-    tally.report(map, start.elapsed().as_secs_f64())
+    let mut report = tally.report(map, start.elapsed().as_secs_f64());
+    report.worst.iter_mut().for_each(|offender| offender.find(scene));
+    report
+}
+
+impl Offender {
+    /// Says what the scene calls what is shown.
+    fn find(&mut self, scene: &Scene) {
+        let instance = self.instance.and_then(|i| scene.instances.get(i as usize));
+        self.name = instance.map(|i| i.name.clone()).filter(|name| !name.is_empty());
+        let patch = self.patch.and_then(|p| scene.patches.get(p as usize));
+        self.face = patch.map(|p| scene.faces[p.face as usize].id);
+    }
 }
 
 impl Tally {
@@ -176,7 +218,8 @@ impl Tally {
         for (kind, _) in kinds.into_iter().filter(|(_, failed)| *failed) {
             self.failures[kind as usize] += 1;
             let (instance, patch) = (pixel.map(|p| p.instance), pixel.map(|p| p.patch));
-            self.worst.push(Offender { kind, x, y, instance, patch, error_px: verdict.worst_error() });
+            let error_px = verdict.worst_error();
+            self.worst.push(Offender { kind, x, y, instance, patch, name: None, face: None, error_px });
         }
         if self.worst.len() > 8 * WORST_OF_A_KIND {
             self.keep_worst();
@@ -242,5 +285,50 @@ impl ErrorStats {
         let mean = errors.iter().map(|&e| f64::from(e)).sum::<f64>() / count as f64;
         let (_, p999, _) = errors.select_nth_unstable_by(rank, f32::total_cmp);
         Some(Self { max: f64::from(max), p999: f64::from(*p999), mean })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{ViewSpec, prepare};
+    use crate::stages::Renderer;
+
+    /// A model whose trims, edges and silhouettes rays come near, before an oracle that keeps all it made and one that
+    /// forgets it after every batch.
+    #[test]
+    fn an_oracle_that_forgets_says_the_same() {
+        let model = crate::import::load("builtin:trimmed:gap").unwrap();
+        let scene = prepare(&model, &|_, _| {}).unwrap();
+        let camera = ViewSpec { size: [320, 240], ..ViewSpec::default() }.camera(&scene.bounds).unwrap();
+        let options = Options::default();
+        let frame = Renderer::new(&scene).render(&camera, &options).unwrap();
+        let report = |samples, most_bytes| {
+            let sampling = Sampling { samples, seed: 1 };
+            let pixels = |x, y| frame.pixel(x, y);
+            let report = judge_in_batches(&scene, &camera, &options, &pixels, &sampling, &|_, _| {}, most_bytes);
+            let text = serde_json::to_value(Report { seconds: 0.0, ..report.clone() }).unwrap();
+            (text, report)
+        };
+        for samples in [None, Some(20_000)] {
+            let [(kept, a), (forgotten, b)] = [usize::MAX, 0].map(|most_bytes| report(samples, most_bytes));
+            assert_eq!(kept, forgotten);
+            assert!(a.drawn > 5_000 && a.map == b.map, "{kept}");
+        }
+    }
+
+    #[test]
+    fn what_an_oracle_holds_is_counted_and_dropped() {
+        let model = crate::import::load("builtin:trimmed:gap").unwrap();
+        let scene = prepare(&model, &|_, _| {}).unwrap();
+        let camera = ViewSpec { size: [64, 48], ..ViewSpec::default() }.camera(&scene.bounds).unwrap();
+        let mut oracle = Oracle::new(&scene, &camera);
+        assert_eq!(oracle.bytes(), 0);
+        let hits = oracle.hits(32.0, 24.0);
+        let held = oracle.bytes();
+        assert!(held > 0 && !hits.is_empty());
+        oracle.forget();
+        assert_eq!(oracle.bytes(), 0);
+        assert_eq!((oracle.hits(32.0, 24.0), oracle.bytes()), (hits, held));
     }
 }

@@ -123,6 +123,13 @@ impl<'a> Rim<'a> {
         rim
     }
 
+    /// Memory beside the curves themselves.
+    pub fn bytes(&self) -> usize {
+        self.curves.capacity() * size_of::<RimCurve>()
+            + self.chords.capacity() * size_of::<Chord>()
+            + self.nodes.capacity() * size_of::<Node>()
+    }
+
     fn at(&self, sheet: &Sheet, curve: u32, t: f64) -> Option<DVec3> {
         sheet.position(self.curves[curve as usize].curve.position(t).truncate())
     }

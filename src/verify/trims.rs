@@ -7,6 +7,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A face reaches beyond its trims by its gap, in pixels at most this: two faces close a gap of a pixel.
 pub(super) const WIDEST_REACH: f64 = 0.5;
@@ -24,6 +25,7 @@ pub(super) struct Trims<'a> {
     part_of: Vec<u32>,
     /// Largest gap of all curves, in the part's units.
     gap: f64,
+    bytes: AtomicUsize,
 }
 
 #[derive(Debug)]
@@ -32,11 +34,11 @@ struct Trimmed<'a> {
     rim: OnceLock<Rim<'a>>,
 }
 
-/// Patches that instances draw, with the edges at which several trim curves meet, each with the faces that have it.
+/// Patches that instances draw, with `[edge, face]` for each of their trim curves that has an edge, sorted.
 #[derive(Debug)]
 struct Part {
     patches: Range<usize>,
-    edges: OnceLock<HashMap<u32, Vec<u32>>>,
+    edges: OnceLock<Vec<[u32; 2]>>,
 }
 
 /// A ray in the coordinates of an instance's part.
@@ -75,7 +77,7 @@ impl<'a> Trims<'a> {
         let curves = scene.faces.iter().flat_map(|f| f.loops.iter()).flat_map(|l| &l.curves);
         let gap = curves.map(|c| c.gap).fold(0.0, f64::max);
         let faces = scene.faces.iter().map(|_| OnceLock::new()).collect();
-        Self { scene, faces, starts, patches, parts, part_of, gap }
+        Self { scene, faces, starts, patches, parts, part_of, gap, bytes: AtomicUsize::new(0) }
     }
 
     fn trimmed(&self, face: u32) -> Option<&Trimmed<'a>> {
@@ -83,7 +85,11 @@ impl<'a> Trims<'a> {
         if loops.is_empty() {
             return None;
         }
-        let make = || Box::new(Trimmed { region: Region::new(loops), rim: OnceLock::new() });
+        let make = || {
+            let region = Region::new(loops);
+            self.bytes.fetch_add(size_of::<Trimmed>() + region.bytes(), Ordering::Relaxed);
+            Box::new(Trimmed { region, rim: OnceLock::new() })
+        };
         Some(self.faces[face as usize].get_or_init(make))
     }
 
@@ -148,7 +154,11 @@ impl<'a> Trims<'a> {
     ) {
         let Some(trimmed) = self.trimmed(face) else { return };
         let sheet = self.sheet(face);
-        let rim = trimmed.rim.get_or_init(|| Rim::new(&sheet, &self.scene.faces[face as usize].loops));
+        let rim = trimmed.rim.get_or_init(|| {
+            let rim = Rim::new(&sheet, &self.scene.faces[face as usize].loops);
+            self.bytes.fetch_add(rim.bytes(), Ordering::Relaxed);
+            rim
+        });
         let far = camera.near + camera.extent;
         let widest = widest * camera.pixel_size(far) / ray.scale;
         let widest = widest.min(reach(rim.gap * ray.scale, camera.pixel_size(far)) / ray.scale);
@@ -158,26 +168,41 @@ impl<'a> Trims<'a> {
         });
     }
 
-    /// The faces of an instance that have this edge, each as often as it has it.
-    pub fn faces_at(&self, instance: u32, edge: u32) -> &[u32] {
+    /// `[edge, face]` for each time that a face of the instance has this edge.
+    pub fn faces_at(&self, instance: u32, edge: u32) -> &[[u32; 2]] {
         let part = &self.parts[self.part_of[instance as usize] as usize];
         let edges = part.edges.get_or_init(|| self.edges_of(&part.patches));
-        edges.get(&edge).map_or(&[], Vec::as_slice)
+        let first = edges.partition_point(|&[e, _]| e < edge);
+        let count = edges[first..].partition_point(|&[e, _]| e == edge);
+        &edges[first..first + count]
     }
 
-    fn edges_of(&self, patches: &Range<usize>) -> HashMap<u32, Vec<u32>> {
+    fn edges_of(&self, patches: &Range<usize>) -> Vec<[u32; 2]> {
         let mut faces: Vec<u32> = self.scene.patches[patches.clone()].iter().map(|p| p.face).collect();
         faces.sort_unstable();
         faces.dedup();
-        let mut edges = HashMap::<u32, Vec<u32>>::new();
-        for face in faces {
-            for curve in self.scene.faces[face as usize].loops.iter().flat_map(|l| &l.curves) {
-                if let Some(edge) = curve.edge {
-                    edges.entry(edge).or_default().push(face);
-                }
-            }
-        }
+        let curves = |face: u32| self.scene.faces[face as usize].loops.iter().flat_map(|l| &l.curves);
+        let mut edges: Vec<_> =
+            faces.into_iter().flat_map(|face| curves(face).filter_map(move |c| Some([c.edge?, face]))).collect();
+        edges.sort_unstable();
+        self.bytes.fetch_add(edges.capacity() * size_of::<[u32; 2]>(), Ordering::Relaxed);
         edges
+    }
+
+    /// Memory of what was made for rays so far.
+    pub fn bytes(&self) -> usize {
+        self.bytes.load(Ordering::Relaxed)
+    }
+
+    /// Drops what was made for rays.
+    pub fn forget(&mut self) {
+        for face in &mut self.faces {
+            face.take();
+        }
+        for part in &mut self.parts {
+            part.edges.take();
+        }
+        self.bytes = AtomicUsize::new(0);
     }
 }
 

@@ -46,7 +46,12 @@ pub fn scene(parts: &[Part], offset: DVec3) -> Scene {
     scene.faces = (0..faces)
         .map(|id| SceneFace { id, name: "".into(), color: [0.5; 3], sides: Sides::Both, loops: [].into() })
         .collect();
-    scene.instances = vec![SceneInstance { patches: 0..parts.len(), transform: DAffine3::IDENTITY, color: None }];
+    scene.instances = vec![SceneInstance {
+        name: String::new(),
+        patches: 0..parts.len(),
+        transform: DAffine3::IDENTITY,
+        color: None,
+    }];
     scene.bounds = Bounds { low: low + offset, high: high + offset };
     scene
 }

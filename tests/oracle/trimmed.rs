@@ -220,3 +220,25 @@ fn a_neighbour_in_the_reach_of_a_face_may_be_shown() {
     *exact.at(52, 50) = Some(on_wall(left, 52, 50));
     assert_eq!(failures(&exact.report()), [0, 0, 1, 0], "{:?}", exact.report().worst);
 }
+
+/// A wall goes steeply back behind another from an edge that lies on it: nothing of it but that edge is in sight.
+/// Refinement may end this many pixels beside the edge.
+#[test]
+fn of_a_hidden_face_its_edge_may_be_shown_but_not_what_lies_beside_it() {
+    for (beside, covering) in [(0.003, 0), (0.03, 1)] {
+        let edge = 0.45 - 0.1 * beside;
+        let steep = shapes::plane(DVec3::new(edge + 0.08, -4.0, -4.0), DVec3::new(-0.16, 8.0, 0.0), DVec3::Z * 8.0, 1);
+        let mut scene = shapes::scene(&[wall(0.0, 0), steep], DVec3::ZERO);
+        for patch in &mut scene.patches {
+            patch.domain = [[-4.0, 4.0]; 2];
+        }
+        let sides = [(0.0, None), (0.0, None), (0.0, None), (0.0, Some(7))];
+        scene.faces[1].loops = vec![rectangle(DVec2::new(0.0, -3.0), DVec2::new(4.0, 3.0), sides)].into();
+        let mut picture = picture(scene);
+        assert!(picture.report().passed(), "{:?}", picture.report().worst);
+        let shown = picture.at(54, 49).unwrap();
+        let at = [(edge + 0.08 - 0.45) / 0.16, 40.5 / 80.0];
+        *picture.at(54, 49) = Some(Pixel { patch: 1, stored: at, interpolated: at, ..shown });
+        assert_eq!(failures(&picture.report()), [0, 0, covering, 0], "{beside}: {:?}", picture.report().worst);
+    }
+}

@@ -6,6 +6,7 @@ mod support;
 mod assemblies;
 mod compose;
 mod hidden;
+mod mended;
 mod parts;
 mod real;
 mod syntax;

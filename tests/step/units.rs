@@ -127,3 +127,12 @@ fn units_that_are_missing_or_broken_are_said() {
     assert!(found.warnings.iter().any(|w| w.message.contains("millimetres are assumed")), "{:?}", found.warnings);
     assert_box(&found, [0.0; 3], [1.0, 2.0, 3.0]);
 }
+
+/// A file may claim to be exact beyond any need; what was fitted as near as was asked for is then no warning.
+#[test]
+fn good_fits_are_no_warning_however_fine_the_tolerance() {
+    let fine =
+        include_str!("../models/cylinder_oblique.step").replace("LENGTH_MEASURE(1.E-5)", "LENGTH_MEASURE(1.E-8)");
+    assert!(fine.contains("1.E-8"));
+    clean(&fine);
+}

@@ -3,6 +3,7 @@
 mod contract;
 mod floor;
 mod quads;
+mod reading;
 mod speed;
 mod stability;
 
@@ -32,6 +33,8 @@ pub enum Suite {
     Contract(contract::Args),
     /// Quads and triangles of every bound against ETER's
     Quads(SuiteArgs),
+    /// How fast files are read: their text, their models, their scenes
+    Reading(reading::Args),
     /// Stage times, their floors, and the geometry's against ETER's in the same run
     Speed(speed::Args),
     /// The hard cases: what the frame makes of each, what is refused and why
@@ -74,6 +77,7 @@ pub fn run(args: Args) -> Result<ExitCode> {
     match args.suite {
         Suite::Contract(args) => contract::run(&args)?,
         Suite::Quads(args) => quads::run(&args)?,
+        Suite::Reading(args) => reading::run(&args)?,
         Suite::Speed(args) => speed::run(&args)?,
         Suite::Stability(args) => stability::run(&args)?,
     }

@@ -210,7 +210,9 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
     });
     let loops: Vec<Loop> = loops.filter(|l| !l.curves.is_empty()).collect();
     let Fitter { worst, approximation, .. } = fitter;
-    note_gaps(source, &chart, &rings, &loops, worst, &mut warnings);
+    // A fit as near as was asked for needs no mention, however fine the file's tolerance is.
+    let fit = Some(worst).filter(|&worst| worst > scale.fine);
+    note_gaps(source, &chart, &rings, &loops, fit, &mut warnings);
     let loops = if is_whole(&loops, area, scale.straight) { Vec::new() } else { loops };
     let FaceSource { id, name, color, kind, reversed, .. } = source;
     let face = Face {
@@ -243,7 +245,14 @@ fn is_far(chart: &Chart, ring: &Ring) -> bool {
 const NAMED_EDGES: usize = 4;
 
 /// Warns of what is farther off than the file's tolerance allows.
-fn note_gaps(source: &FaceSource, chart: &Chart, rings: &[Ring], loops: &[Loop], fit: f64, warnings: &mut Vec<String>) {
+fn note_gaps(
+    source: &FaceSource,
+    chart: &Chart,
+    rings: &[Ring],
+    loops: &[Loop],
+    fit: Option<f64>,
+    warnings: &mut Vec<String>,
+) {
     let tolerance = source.tolerance;
     if let Some(error) = chart.error() {
         warnings.push(format!("the offset surface is fitted to within {error:.2e} mm"));
@@ -256,7 +265,7 @@ fn note_gaps(source: &FaceSource, chart: &Chart, rings: &[Ring], loops: &[Loop],
     if bridged > tolerance {
         warnings.push(format!("edges of a loop miss each other by {bridged:.2e} mm; a straight line joins them"));
     }
-    if fit > 1e-3 * tolerance {
+    if let Some(fit) = fit.filter(|&fit| fit > 1e-3 * tolerance) {
         warnings.push(format!("trim curves are fitted to within {fit:.2e} mm only"));
     }
     let mut off: Vec<(u32, f64)> = Vec::new();

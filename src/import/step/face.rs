@@ -131,6 +131,7 @@ impl Shapes<'_, '_> {
                 for edge in path.args()?.skip(1).references()? {
                     edges.extend(self.oriented_edge(edge, basis)?);
                 }
+                self.turn_strays(&mut edges);
                 edges
             }
             Kind::PolyLoop => self.poly_loop(path.args()?.skip(1).references()?)?,
@@ -145,6 +146,20 @@ impl Shapes<'_, '_> {
             return Ok(None);
         }
         Ok(Some(Bound::Edges(edges)))
+    }
+
+    /// Turns edges that run against their loop: which way an edge goes is told by vertices that it shares.
+    fn turn_strays(&self, edges: &mut [EdgeUse]) {
+        let count = edges.len();
+        for k in 0..count {
+            let (before, next) = (edges[(k + count - 1) % count].ends[1], edges[(k + 1) % count].ends);
+            let [start, end] = edges[k].ends;
+            if count > 1 && start != before && end == before && next.contains(&start) {
+                self.note(edges[k].edge, "the edge runs against its loop; it is turned");
+                self.log.doubtful.set(true);
+                edges[k] = turned(edges[k].clone());
+            }
+        }
     }
 
     fn poly_loop(&self, ids: Vec<u32>) -> Result<Vec<EdgeUse>, StepError> {

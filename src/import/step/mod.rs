@@ -88,6 +88,13 @@ pub(super) fn parse(bytes: &[u8], origin: &Origin) -> Result<Model, ParseError> 
     Ok(model)
 }
 
+/// Reads the text alone: how many entities it holds.
+pub(super) fn count_entities(bytes: &[u8]) -> u64 {
+    let text = without_mark(bytes);
+    let (file, _) = File::new(text, scan::scan(text));
+    file.len() as u64
+}
+
 /// The text without a byte order mark.
 fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
@@ -180,9 +187,14 @@ fn build_parts(file: &File, assembly: &Assembly, model: &mut Model) -> Vec<Vec<u
     let built: Vec<_> = jobs.par_iter().map(|job| build(file, job)).collect();
     // Where each job's face is in its part, or would be.
     let mut places = Vec::with_capacity(jobs.len());
-    for (job, (face, notes)) in jobs.iter().zip(built) {
-        model.warnings.extend(notes);
-        let faces = &mut model.parts[job.part].faces;
+    for (job, (face, log)) in jobs.iter().zip(built) {
+        model.warnings.extend(log.notes.into_inner());
+        let part = &mut model.parts[job.part];
+        if log.doubtful.get() {
+            // Its walls may show their backs.
+            part.solidity = Solidity::Open;
+        }
+        let faces = &mut part.faces;
         places.push(faces.len());
         match face {
             Ok(face) => faces.push(face),
@@ -202,7 +214,7 @@ fn build_parts(file: &File, assembly: &Assembly, model: &mut Model) -> Vec<Vec<u
 }
 
 /// One face, or why it is lost, and what was mended.
-fn build(file: &File, job: &Job) -> (Result<Face, String>, Vec<Warning>) {
+fn build(file: &File, job: &Job) -> (Result<Face, String>, Log) {
     let log = Log::default();
     let shapes = Shapes { file, units: job.units, log: &log };
     let id = job.face.id;
@@ -214,5 +226,5 @@ fn build(file: &File, job: &Job) -> (Result<Face, String>, Vec<Warning>) {
         Ok(built.face)
     });
     let built = built.map_err(|why| format!("face #{id} is lost: {why}"));
-    (built, log.notes.into_inner())
+    (built, log)
 }

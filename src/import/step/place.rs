@@ -20,6 +20,8 @@ const MAX_STEPS: u32 = 1 << 17;
 pub(super) struct Log {
     /// What was mended or approximated on the way.
     pub notes: RefCell<Vec<Warning>>,
+    /// The face contradicts itself: its shell may not be closed, whatever the file says.
+    pub doubtful: Cell<bool>,
     steps: Cell<u32>,
 }
 
