@@ -47,7 +47,7 @@ impl Quad {
         let (x, y) = (x as f64 - self.origin[0], y as f64 - self.origin[1]);
         let [u, v, weight] = self.map.map(|f| f[0] + f[1] * x + f[2] * y);
         let inverse = 1.0 / weight;
-        (weight > 0.0).then(|| [u * inverse, v * inverse])
+        (weight > 0.0).then_some([u * inverse, v * inverse])
     }
 
     /// Box of the parameters of the triangle's fragment at a pixel, their errors included.
