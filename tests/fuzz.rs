@@ -7,30 +7,13 @@ mod support;
 use halfpixel::import::{ImportError, read};
 use halfpixel::model::Model;
 use std::path::Path;
+use support::random::Random;
 use support::{bpt_text, bv_text};
 
 /// Enough to be thousands of cases and a few seconds.
 const CASES: usize = 6000;
 /// STEP files are longer and mean more.
 const STEP_CASES: usize = 1000;
-
-/// SplitMix64 (Steele, Lea & Flood, Fast splittable pseudorandom number generators, 2014): every run tries the same
-/// cases.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
-    }
-}
 
 fn parse(bytes: &[u8]) -> Result<Model, ImportError> {
     read(bytes, Path::new("fuzz"))
@@ -175,6 +158,24 @@ fn damaged_step() {
             if random.below(2) == 0 { mutate(&mut random, &mut bytes) } else { replace_token(&mut random, &mut bytes) }
         }
         check_step(&bytes, &format!("case {case}"));
+    }
+}
+
+/// The hard cases in tests/models: every kind of entity.
+#[test]
+fn damaged_models() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models");
+    let entries = std::fs::read_dir(&folder).expect("tests/models").map(|entry| entry.expect("an entry").path());
+    let mut files: Vec<_> = entries.filter(|path| path.extension().is_some_and(|e| e == "step")).collect();
+    files.sort();
+    let mut random = Random(8);
+    for case in 0..STEP_CASES {
+        let file = &files[case % files.len()];
+        let mut bytes = std::fs::read(file).expect("a model");
+        for _ in 0..=random.below(4) {
+            if random.below(4) == 0 { mutate(&mut random, &mut bytes) } else { replace_token(&mut random, &mut bytes) }
+        }
+        check_step(&bytes, &format!("case {case}, {}", file.display()));
     }
 }
 

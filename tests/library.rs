@@ -66,7 +66,7 @@ fn assembly() -> Model {
     }
     model.instances[1].name = "stand/ball 1".into();
     let transform = DAffine3::from_translation(DVec3::X);
-    model.instances.push(Instance { part: 1, transform, name: "stand/ball 2".into(), color: None });
+    model.instances.push(Instance { part: 1, transform, name: "stand/ball 2".into(), ..Instance::default() });
     model
 }
 
@@ -86,11 +86,15 @@ fn parts_are_selected_by_name_instance_and_number() {
     assert_eq!(kept("stand"), ("Kugel Kugel".into(), ball));
     assert_eq!(kept("teapot"), ("teapot".into(), 32));
     assert_eq!(kept("#1003"), ("teapot".into(), 1));
-    assert_eq!(assembly().select("#5").unwrap_err(), PartError::NoEntity { id: "5".into() });
-    assert_eq!(assembly().select("#0").unwrap_err(), PartError::NoEntity { id: "0".into() });
-    assert_eq!(assembly().select("#x").unwrap_err(), PartError::NoEntity { id: "x".into() });
-    let error = assembly().select("handle").unwrap_err().to_string();
-    assert!(error.contains("Kugel, teapot"), "{error}");
+    let near = "near it are: #10 (teapot), #20 (Kugel)";
+    for id in ["5", "0", "x"] {
+        let expected = PartError::NoEntity { id: id.into(), near: near.into() };
+        assert_eq!(assembly().select(&format!("#{id}")).unwrap_err(), expected);
+    }
+    let error = assembly().select("kettle of tea").unwrap_err().to_string();
+    assert!(error.contains("there are: Kugel, ball 1, ball 2, "), "{error}");
+    let error = assembly().select("teapod").unwrap_err().to_string();
+    assert!(error.contains("near it are: teapot"), "{error}");
 }
 
 #[test]
@@ -187,7 +191,7 @@ fn one_part_is_looked_at_alone() {
     assert!(faces.iter().all(|f| f["surface"].is_string() && f["area_relative_error"].is_number()));
     let (one, _) = json(&["info", "builtin:teapot", "--part", "#5", "--json", "--faces"]);
     assert_eq!((&one["faces"], &one["face_list"][0]["entity"]), (&1.into(), &5.into()));
-    assert!(fails(&["info", "builtin:teapot", "--part", "lid of gold"], 1).contains("there is no part named"));
+    assert!(fails(&["info", "builtin:teapot", "--part", "lid of gold"], 1).contains("named \"lid of gold\""));
     let table = String::from_utf8_lossy(&halfpixel(&["info", "builtin:teapot", "--faces"]).stdout).into_owned();
     assert!(table.contains("#31 bezier, 1 patches, 0 loops"), "{table}");
 }

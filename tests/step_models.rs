@@ -2,6 +2,9 @@
 
 use halfpixel::import::{self, ImportError};
 use halfpixel::model::{Face, Model, Part};
+use halfpixel::scene::{self, View, ViewSpec};
+use halfpixel::stages;
+use halfpixel::verify::{Sampling, verify};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -17,6 +20,13 @@ struct Expected {
     /// By the face's entity number; one instance.
     areas: BTreeMap<u32, f64>,
     bounds: Option<[[f64; 3]; 2]>,
+    /// Words of each warning, in their order.
+    warnings: Vec<String>,
+    /// Faces.
+    hidden: usize,
+    lone_curves: usize,
+    /// No trim curve is an approximation.
+    exact: bool,
 }
 
 fn folder() -> PathBuf {
@@ -66,7 +76,7 @@ fn the_table_names_every_file() {
     let files = entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned());
     let mut files: Vec<String> = files.filter(|name| name.ends_with(".step")).collect();
     files.sort();
-    assert!(files.len() >= 46, "only {} files", files.len());
+    assert!(files.len() >= 71, "only {} files", files.len());
     assert_eq!(files, cases().into_keys().collect::<Vec<_>>());
 }
 
@@ -118,6 +128,70 @@ fn parts_stand_in_their_places() {
             Some([low, high]) if near(low, bounds[0]) && near(high, bounds[1]) => vec![],
             _ => vec![format!("the box is {found:?} for {bounds:?}")],
         }
+    });
+    assert!(wrong.is_empty(), "\n{wrong}");
+}
+
+#[test]
+fn what_is_mended_or_approximated_is_said_and_nothing_else() {
+    let wrong = complaints(|expected, model| {
+        let found: Vec<&str> = model.warnings.iter().map(|w| w.message.as_str()).collect();
+        let alike = found.len() == expected.warnings.len();
+        let alike = alike && expected.warnings.iter().zip(&found).all(|(words, line)| line.contains(words.as_str()));
+        if alike { vec![] } else { vec![format!("{found:?} for {:?}", expected.warnings)] }
+    });
+    assert!(wrong.is_empty(), "\n{wrong}");
+}
+
+#[test]
+fn what_is_not_shown_is_counted() {
+    let wrong = complaints(|expected, model| {
+        let found = (model.unshown.hidden_faces, model.unshown.lone_curves);
+        let expected = (expected.hidden, expected.lone_curves);
+        if found == expected {
+            vec![]
+        } else {
+            vec![format!("{found:?} hidden faces and lone curves for {expected:?}")]
+        }
+    });
+    assert!(wrong.is_empty(), "\n{wrong}");
+}
+
+#[test]
+fn images_that_are_rational_are_exact() {
+    let wrong = complaints(|expected, model| {
+        if !expected.exact {
+            return vec![];
+        }
+        let faces = || model.parts.iter().flat_map(|p| &p.faces);
+        let approximated = faces().filter(|f| f.approximation.curves > 0).map(|f| format!("#{} is approximated", f.id));
+        let curves = faces().flat_map(|f| f.loops.iter()).flat_map(|l| &l.curves);
+        let gap = curves.map(|c| c.gap).fold(0.0, f64::max);
+        let far = (gap > 1e-13).then(|| format!("an edge is {gap:e} off its image"));
+        approximated.chain(far).collect()
+    });
+    assert!(wrong.is_empty(), "\n{wrong}");
+}
+
+/// Every pixel of small frames, near and far.
+#[test]
+fn frames_keep_the_contract() {
+    let wrong = complaints(|_, model| {
+        let scene = scene::prepare(model, &|_done, _all| {}).expect("a scene");
+        let mut lines = Vec::new();
+        for (view, zoom) in [(View::Iso, 1.0), (View::Bottom, 5.0)] {
+            let spec = ViewSpec { size: [96, 72], view, zoom, ..ViewSpec::default() };
+            let camera = spec.camera(&scene.bounds).expect("a camera");
+            let options = stages::Options::default();
+            let frame = stages::Renderer::new(&scene).render(&camera, &options).expect("a frame");
+            let pixels = |x: u32, y: u32| frame.pixel(x, y);
+            let report = verify(&scene, &camera, &options, &pixels, &Sampling::default(), &|_, _| {});
+            let failures = [report.violations, report.cracks, report.covering_failures, report.depth_failures];
+            if failures != [0; 4] || (zoom == 1.0 && report.drawn == 0) {
+                lines.push(format!("{view:?} at {zoom}: {failures:?} of {} pixels", report.drawn));
+            }
+        }
+        lines
     });
     assert!(wrong.is_empty(), "\n{wrong}");
 }

@@ -126,11 +126,15 @@ fn table(info: &Info) -> String {
         ("rational", f.rational.to_string()),
         ("trimmed faces", format!("{} ({} loops of {} curves, {} edges)", f.trims, f.loops, f.trim_curves, f.edges)),
         ("largest gap", format!("{} {unit}", significant(f.largest_gap))),
+        ("approximated", approximated(f, unit)),
         ("area", format!("{} {unit}² (relative error {:.1e})", significant(f.area), f.area_relative_error)),
         ("bounds", bounds),
         ("memory", memory),
         ("warnings", f.warnings.len().to_string()),
     ];
+    if f.hidden_faces + f.lone_curves > 0 {
+        rows.push(("not shown", format!("{} hidden faces, {} curves without a face", f.hidden_faces, f.lone_curves)));
+    }
     if info.source.files > 1 {
         let unread = info.source.unread_files.len();
         rows.insert(1, ("files", format!("{} ({unread} can't be read)", info.source.files)));
@@ -152,11 +156,25 @@ fn table(info: &Info) -> String {
 
 fn face_line(face: &FaceFigures, unit: &str) -> String {
     let FaceFigures { entity, surface, bezier_patches, loops, area, area_relative_error, .. } = face;
+    let approximated = match face.approximated_curves {
+        0 => String::new(),
+        curves => format!(", {curves} trim curves approximated to {:.1e} {unit}", face.approximation),
+    };
     let warnings = face.warnings.iter().map(|w| format!("; {w}")).collect::<String>();
     format!(
-        "#{entity} {surface}, {bezier_patches} patches, {loops} loops, {} {unit}² ({area_relative_error:.0e}){warnings}",
+        "#{entity} {surface}, {bezier_patches} patches, {loops} loops, {} {unit}² ({area_relative_error:.0e}){approximated}{warnings}",
         significant(*area)
     )
+}
+
+/// Trim curves that are not the images of their edges; on which faces, `--faces` says.
+fn approximated(f: &Figures, unit: &str) -> String {
+    match f.approximated_curves {
+        0 => "no trim curve".to_owned(),
+        curves => {
+            format!("{curves} trim curves of {} faces, to {:.1e} {unit}", f.approximated_faces, f.largest_approximation)
+        }
+    }
 }
 
 /// Ten significant digits, without a long tail of zeros.

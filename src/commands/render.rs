@@ -74,6 +74,10 @@ fn draw(args: &Args, format: ImageFormat) -> Result<Report<'_>> {
     let prepared = start.elapsed();
     let (camera, options) = (args.frame.camera(&scene)?, args.frame.options());
     let frame = Renderer::new(&scene).render(&camera, &options).with_context(|| name)?;
+    let coarse = frame.stats.trim.textures_too_coarse;
+    if coarse > 0 {
+        output::warning_line(&format!("{coarse} trim textures have too few texels for the tolerance: use --trim on"));
+    }
     image::write_frame(&args.output, format, &scene, &frame)?;
     let ms = |d: std::time::Duration| d.as_secs_f64() * 1e3;
     let mut stats = frame.stats.clone();

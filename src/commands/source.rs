@@ -21,7 +21,7 @@ pub struct ModelArgs {
     /// Where several files stand
     #[arg(long, value_enum, default_value_t)]
     pub layout: Layout,
-    /// Only this part: its name, the name of an instance, or the file's number of a part or a face
+    /// Only this part: a name of a part, component, solid or face, or the file's number of one, or of a shell or a set
     #[arg(long, value_name = "NAME|#ID")]
     pub part: Option<String>,
     /// The model's axis that points up; y turns the model so that it becomes z

@@ -4,7 +4,7 @@
 //! the Bernstein form made simple via convolutions", 2003): products are then plain convolutions and degree elevation
 //! is a product with the constant 1.
 
-use super::Net;
+use super::{BezierPatch, Net};
 use glam::{DVec3, DVec4};
 use std::ops::{Add, Mul, Sub};
 
@@ -92,21 +92,26 @@ impl<T: Coefficient> Bernstein<T> {
 
     /// The product with a scalar polynomial.
     pub fn product(&self, factor: &Bernstein<f64>) -> Self {
+        self.convolved(factor, |c, f| c * f)
+    }
+
+    /// Any product that is linear in both factors.
+    fn convolved<U: Copy, V: Coefficient>(&self, factor: &Bernstein<U>, times: impl Fn(T, U) -> V) -> Bernstein<V> {
         let [m, n] = self.degree;
         let [k, l] = factor.degree;
         let stride = n + l + 1;
-        let mut scaled = vec![T::default(); (m + k + 1) * stride];
+        let mut scaled = vec![V::default(); (m + k + 1) * stride];
         for (i, row) in self.scaled.chunks_exact(n + 1).enumerate() {
             for (h, factors) in factor.scaled.chunks_exact(l + 1).enumerate() {
                 let out = &mut scaled[(i + h) * stride..][..stride];
                 for (j, &f) in factors.iter().enumerate() {
                     for (o, &c) in out[j..].iter_mut().zip(row) {
-                        *o = *o + c * f;
+                        *o = *o + times(c, f);
                     }
                 }
             }
         }
-        Self { degree: [m + k, n + l], scaled }
+        Bernstein { degree: [m + k, n + l], scaled }
     }
 
     /// The same polynomial with degree `degree`, at least its own in each direction.
@@ -129,31 +134,38 @@ impl<T: Coefficient> Bernstein<T> {
     }
 }
 
-/// Point sets `[uu, uv, vv]` whose convex hulls contain `S_uu`, `S_uv`, `S_vv` of the rational surface over the patch
-/// (parameters in [0, 1]², up to rounding: some 1e-15 of the net's size about its centre times `degree²`, times the
-/// cube of the weights' ratio).
-///
-/// Polynomial nets: second differences. Rational nets: the numerator of the quotient rule over the cube of the weight,
-/// coefficient by coefficient, which is Guthe 2005 section 5.2 with the division moved inside the hull.
-pub fn second_derivative_sets(net: Net) -> [Vec<DVec3>; 3] {
-    if net.is_rational() { rational_sets(net) } else { polynomial_sets(net) }
+impl Bernstein<DVec3> {
+    /// The vector product.
+    pub fn cross(&self, other: &Self) -> Self {
+        self.convolved(other, DVec3::cross)
+    }
 }
 
-fn polynomial_sets(net: Net) -> [Vec<DVec3>; 3] {
+/// `S_uu`, `S_uv`, `S_vv` of the rational surface as patches over the same parameters in [0, 1]²: the hulls of their
+/// nets hold them (up to rounding: some 1e-15 of the net's size about its centre times `degree²`, times the cube of the
+/// weights' ratio).
+///
+/// Polynomial nets: second differences. Rational nets: the numerator of the quotient rule over the cube of the weight,
+/// which is Guthe 2005 section 5.2 with the division moved inside the hull.
+pub fn second_derivatives(net: Net) -> [BezierPatch; 3] {
+    if net.is_rational() { rational_derivatives(net) } else { polynomial_derivatives(net) }
+}
+
+fn polynomial_derivatives(net: Net) -> [BezierPatch; 3] {
     let [m, n] = net.degree();
     let inverse = 1.0 / net.point(0, 0).w;
     let difference = |steps: [usize; 2], weights: &[(usize, usize, f64)], scale: f64| {
         if m < steps[0] || n < steps[1] {
-            return vec![DVec3::ZERO];
+            return BezierPatch::from_points([0, 0], vec![DVec4::W]);
         }
-        let mut set = Vec::with_capacity((m + 1 - steps[0]) * (n + 1 - steps[1]));
+        let mut points = Vec::with_capacity((m + 1 - steps[0]) * (n + 1 - steps[1]));
         for i in 0..=m - steps[0] {
             for j in 0..=n - steps[1] {
                 let sum: DVec4 = weights.iter().map(|&(a, b, s)| net.point(i + a, j + b) * s).sum();
-                set.push(sum.truncate() * (scale * inverse));
+                points.push((sum.truncate() * (scale * inverse)).extend(1.0));
             }
         }
-        set
+        BezierPatch::from_points([m - steps[0], n - steps[1]], points)
     };
     let second = |degree: usize| (degree * degree.saturating_sub(1)) as f64;
     [
@@ -163,27 +175,23 @@ fn polynomial_sets(net: Net) -> [Vec<DVec3>; 3] {
     ]
 }
 
-fn rational_sets(net: Net) -> [Vec<DVec3>; 3] {
+fn rational_derivatives(net: Net) -> [BezierPatch; 3] {
     let degree = net.degree();
     // About the net's centre: terms of the quotient rule cancel, and what cancels should be small.
     let center = net.hull().sum::<DVec3>() / net.points().len() as f64;
     let p = Bernstein::new(degree, net.points().iter().map(|q| q.truncate() - center * q.w));
     let w = Bernstein::new(degree, net.points().iter().map(|q| q.w));
-    let [pu, pv] = [p.derivative(0), p.derivative(1)];
-    let [wu, wv] = [w.derivative(0), w.derivative(1)];
     let cube = w.product(&w).product(&w);
-    let set = |[pa, pb]: [&Bernstein<DVec3>; 2], [wa, wb]: [&Bernstein<f64>; 2], b: usize| {
-        // P_ab w² - P_a w_b w - P_b w_a w - P w_ab w + 2 P w_a w_b
-        let linear = pa.derivative(b).product(&w);
-        let linear = linear.plus(p.product(&wa.derivative(b)), -1.0);
-        let linear = linear.plus(pa.product(wb), -1.0).plus(pb.product(wa), -1.0);
-        let numerator = linear.product(&w).plus(p.product(&wa.product(wb)), 2.0);
-        // A factor w² or w has degree at least 2 where P_ab vanishes, so the numerator's degree never exceeds w³'s.
-        let numerator = numerator.elevate(cube.degree);
-        // The binomial scales cancel in the quotient.
-        numerator.scaled.iter().zip(&cube.scaled).map(|(&q, &c)| q / c).collect()
+    let weights = [0, 1].map(|a| w.derivative(a));
+    // S_a = D_a / w² with D_a = P_a w - P w_a, and S_ab = (D_ab w - 2 D_a w_b) / w³, where D_ab is D_a's derivative.
+    let first = [0, 1].map(|a| p.derivative(a).product(&w).plus(p.product(&weights[a]), -1.0));
+    let second = |a: usize, b: usize| {
+        let numerator = first[a].derivative(b).product(&w).plus(first[a].product(&weights[b]), -2.0);
+        let numerator = numerator.elevate(cube.degree).coefficients();
+        let points = numerator.into_iter().zip(cube.coefficients()).map(|(q, c)| q.extend(c));
+        BezierPatch::from_points(cube.degree, points.collect())
     };
-    [set([&pu, &pu], [&wu, &wu], 0), set([&pu, &pv], [&wu, &wv], 1), set([&pv, &pv], [&wv, &wv], 1)]
+    [second(0, 0), second(0, 1), second(1, 1)]
 }
 
 #[cfg(test)]
@@ -206,7 +214,7 @@ mod tests {
     #[test]
     fn bilinear_patches_have_only_twist() {
         let points: Vec<DVec4> = [0.0, 1.0, 1.0, 3.0].map(|z| DVec4::new(1.0, 2.0, z, 1.0)).to_vec();
-        let [uu, uv, vv] = second_derivative_sets(Net::new([1, 1], &points));
-        assert_eq!([uu, uv, vv], [vec![DVec3::ZERO], vec![DVec3::Z], vec![DVec3::ZERO]]);
+        let hulls = second_derivatives(Net::new([1, 1], &points)).map(|d| d.net().hull().collect::<Vec<_>>());
+        assert_eq!(hulls, [vec![DVec3::ZERO], vec![DVec3::Z], vec![DVec3::ZERO]]);
     }
 }

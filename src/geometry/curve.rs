@@ -1,6 +1,6 @@
 //! Rational Bézier curves and NURBS curves. Plane curves (trim loops) leave z at 0.
 
-use super::net::{casteljau, check_points, elevate_line, restrict_line};
+use super::net::{FEW, casteljau, check_points, elevate_line, restrict_line};
 use super::{GeometryError, Knots, MAX_DEGREE};
 use glam::{DVec3, DVec4};
 
@@ -61,7 +61,11 @@ impl BezierCurve {
 
     /// Homogeneous point and derivative at `t`, by de Casteljau.
     pub fn jet(&self, t: f64) -> (DVec4, DVec4) {
-        let mut column = [DVec4::ZERO; MAX_DEGREE + 1];
+        if self.points.len() <= FEW { self.jet_in::<FEW>(t) } else { self.jet_in::<{ MAX_DEGREE + 1 }>(t) }
+    }
+
+    fn jet_in<const N: usize>(&self, t: f64) -> (DVec4, DVec4) {
+        let mut column = [DVec4::ZERO; N];
         let column = &mut column[..self.points.len()];
         column.copy_from_slice(&self.points);
         casteljau(column, t)
@@ -137,10 +141,14 @@ impl NurbsCurve {
         let [low, high] = self.domain();
         let t = t.clamp(low, high);
         let span = self.knots.span(t);
-        let mut local = [DVec4::ZERO; MAX_DEGREE + 1];
-        let local = &mut local[..=self.degree()];
-        local.copy_from_slice(&self.points[span - self.degree()..=span]);
-        self.knots.de_boor(local, span, t)
+        if self.degree() < FEW { self.jet_in::<FEW>(span, t) } else { self.jet_in::<{ MAX_DEGREE + 1 }>(span, t) }
+    }
+
+    fn jet_in<const N: usize>(&self, span: usize, t: f64) -> (DVec4, DVec4) {
+        let [weights, slopes] = self.knots.weights::<N>(span, t);
+        let points = &self.points[span - self.degree()..=span];
+        let sum = |weights: &[f64; N]| points.iter().zip(weights).map(|(p, &w)| *p * w).sum();
+        (sum(&weights), sum(&slopes))
     }
 
     /// Position and derivative in space at `t`.

@@ -108,16 +108,37 @@ impl Knots {
         }
     }
 
-    /// Homogeneous point and derivative at `t` from the `degree + 1` control points of `span` (de Boor); `local` is
-    /// overwritten. Backward stable for `t` inside the span.
-    pub fn de_boor(&self, local: &mut [DVec4], span: usize, t: f64) -> (DVec4, DVec4) {
-        for level in 1..self.degree {
-            self.blossom_level(local, span, level, t);
+    /// Weights of the `degree + 1` control points of `span` in the point at `t` and in its derivative; `N` must be more
+    /// than the degree.
+    ///
+    /// De Boor's triangle from its top: each step splits a weight in two convex parts. Backward stable for `t` inside the
+    /// span, and exact at its ends.
+    pub fn weights<const N: usize>(&self, span: usize, t: f64) -> [[f64; N]; 2] {
+        let p = self.degree;
+        let knot = |k: usize| self.values[span + k - p];
+        // Of the points after the first level: the control points of the derivative have the same weights.
+        let mut lower = [0.0; N];
+        lower[0] = 1.0;
+        for level in (2..=p).rev() {
+            for k in (0..=p - level).rev() {
+                let [low, high] = [knot(level + k), knot(p + 1 + k)];
+                let s = (t - low) / (high - low);
+                lower[k + 1] += lower[k] * s;
+                lower[k] *= 1.0 - s;
+            }
         }
-        let [low, high] = self.interval(span);
-        let derivative = (local[1] - local[0]) * (self.degree as f64 / (high - low));
-        self.blossom_level(local, span, self.degree, t);
-        (local[0], derivative)
+        let (mut point, mut slope) = ([0.0; N], [0.0; N]);
+        for k in 0..p {
+            let [low, high] = [knot(1 + k), knot(p + 1 + k)];
+            let inverse = 1.0 / (high - low);
+            let s = (t - low) / (high - low);
+            point[k] += lower[k] * (1.0 - s);
+            point[k + 1] = lower[k] * s;
+            let change = lower[k] * (p as f64 * inverse);
+            slope[k] -= change;
+            slope[k + 1] = change;
+        }
+        [point, slope]
     }
 
     /// The Bézier points of all spans of one line of control points, `degree + 1` for each, one span after the other.
@@ -127,12 +148,12 @@ impl Knots {
     pub fn bezier_points(&self, line: &[DVec4]) -> Vec<DVec4> {
         let p = self.degree;
         let mut points: Vec<DVec4> = Vec::with_capacity(self.spans().count() * (p + 1));
-        let mut local = [DVec4::ZERO; MAX_DEGREE + 1];
+        let mut local = line[..=p].to_vec();
         let mut before = None;
         for span in self.spans() {
             let [a, b] = self.interval(span);
             for k in 0..=p {
-                local[..=p].copy_from_slice(&line[span - p..=span]);
+                local.copy_from_slice(&line[span - p..=span]);
                 for level in 1..=p {
                     self.blossom_level(&mut local, span, level, if level <= k { b } else { a });
                 }

@@ -5,6 +5,7 @@
 
 mod area;
 pub mod bernstein;
+mod crossing_area;
 mod curve;
 mod error;
 pub mod exact;

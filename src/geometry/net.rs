@@ -6,6 +6,10 @@ use glam::{DAffine3, DVec3, DVec4};
 /// Largest degree in one direction; binomial sums stay well inside f64 there.
 pub const MAX_DEGREE: usize = 63;
 
+/// Points in a line up to which scratch space is small, fits of degree 8 among them: clearing room for the highest degree
+/// costs more than a cubic.
+pub(super) const FEW: usize = 9;
+
 /// A borrowed control net of a rational tensor-product Bézier patch over [0, 1]².
 #[derive(Clone, Copy, Debug)]
 pub struct Net<'a> {
@@ -74,11 +78,15 @@ pub(super) fn casteljau(column: &mut [DVec4], t: f64) -> (DVec4, DVec4) {
 /// Replaces a Bézier curve by its part over `[a, b]`: point k is the blossom at (a, ..., a, b, ..., b) with k times b,
 /// so that neighbouring parts share their common point bit for bit.
 pub(super) fn restrict_line(line: &mut [DVec4], a: f64, b: f64) {
+    if line.len() <= FEW { restrict_in::<FEW>(line, a, b) } else { restrict_in::<{ MAX_DEGREE + 1 }>(line, a, b) }
+}
+
+fn restrict_in<const N: usize>(line: &mut [DVec4], a: f64, b: f64) {
     let degree = line.len() - 1;
-    let mut column = [DVec4::ZERO; MAX_DEGREE + 1];
-    let source = line.to_vec();
+    let (mut source, mut column) = ([DVec4::ZERO; N], [DVec4::ZERO; N]);
+    source[..=degree].copy_from_slice(line);
     for (k, out) in line.iter_mut().enumerate() {
-        column[..=degree].copy_from_slice(&source);
+        column[..=degree].copy_from_slice(&source[..=degree]);
         for level in 1..=degree {
             let t = if level <= k { b } else { a };
             for i in 0..=degree - level {
@@ -134,10 +142,15 @@ impl<'a> Net<'a> {
     /// 3 (m + n) e P of the exact one and `du` within 2 m (3 (m + n) + 2) e P (`dv` likewise), to first order in e:
     /// every level is a convex combination with three roundings.
     pub fn jet(&self, u: f64, v: f64) -> Jet {
+        let few = self.degree.iter().all(|&degree| degree < FEW);
+        if few { self.jet_in::<FEW>(u, v) } else { self.jet_in::<{ MAX_DEGREE + 1 }>(u, v) }
+    }
+
+    fn jet_in<const N: usize>(&self, u: f64, v: f64) -> Jet {
         let [m, n] = self.degree;
-        let mut row = [DVec4::ZERO; MAX_DEGREE + 1];
-        let mut along_u = [DVec4::ZERO; MAX_DEGREE + 1];
-        let mut along_u_dv = [DVec4::ZERO; MAX_DEGREE + 1];
+        let mut row = [DVec4::ZERO; N];
+        let mut along_u = [DVec4::ZERO; N];
+        let mut along_u_dv = [DVec4::ZERO; N];
         for i in 0..=m {
             row[..=n].copy_from_slice(&self.points[i * (n + 1)..(i + 1) * (n + 1)]);
             (along_u[i], along_u_dv[i]) = casteljau(&mut row[..=n], v);

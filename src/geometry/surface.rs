@@ -1,6 +1,6 @@
 //! NURBS surfaces and their exact decomposition into rational Bézier patches.
 
-use super::net::check_points;
+use super::net::{FEW, check_points};
 use super::{BezierPatch, GeometryError, Jet, Knots, MAX_DEGREE, SurfacePoint};
 use glam::{DVec3, DVec4};
 
@@ -108,18 +108,26 @@ impl NurbsSurface {
         let [ku, kv] = &self.knots;
         let clamp = |knots: &Knots, t: f64| t.clamp(knots.domain()[0], knots.domain()[1]);
         let [u, v] = [clamp(ku, u), clamp(kv, v)];
+        let degree = ku.degree().max(kv.degree());
+        if degree < FEW { self.jet_in::<FEW>(u, v) } else { self.jet_in::<{ MAX_DEGREE + 1 }>(u, v) }
+    }
+
+    fn jet_in<const N: usize>(&self, u: f64, v: f64) -> Jet {
+        let [ku, kv] = &self.knots;
         let [su, sv] = [ku.span(u), kv.span(v)];
         let ([m, n], stride) = (self.degree(), kv.point_count());
-        let mut row = [DVec4::ZERO; MAX_DEGREE + 1];
-        let mut along_u = [DVec4::ZERO; MAX_DEGREE + 1];
-        let mut along_u_dv = [DVec4::ZERO; MAX_DEGREE + 1];
+        let [across_u, slope_u] = ku.weights::<N>(su, u);
+        let [across_v, slope_v] = kv.weights::<N>(sv, v);
+        let [mut point, mut du, mut dv] = [DVec4::ZERO; 3];
         for i in 0..=m {
             let start = (su - m + i) * stride + sv - n;
-            row[..=n].copy_from_slice(&self.points[start..=start + n]);
-            (along_u[i], along_u_dv[i]) = kv.de_boor(&mut row[..=n], sv, v);
+            let row = &self.points[start..=start + n];
+            let sum = |weights: &[f64; N]| row.iter().zip(weights).map(|(p, &w)| *p * w).sum::<DVec4>();
+            let here = sum(&across_v);
+            point += here * across_u[i];
+            du += here * slope_u[i];
+            dv += sum(&slope_v) * across_u[i];
         }
-        let (point, du) = ku.de_boor(&mut along_u[..=m], su, u);
-        let (dv, _) = ku.de_boor(&mut along_u_dv[..=m], su, u);
         Jet { point, du, dv }
     }
 

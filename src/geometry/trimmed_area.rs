@@ -2,9 +2,10 @@
 //!
 //! With g the area of the surface over a unit of its parameter plane and `F(u, v)` the integral of g along u from any
 //! fixed start, a loop encloses the curve integral of `F dv`. Its integrand is smooth wherever surface and curve are, so
-//! Gauss quadrature along each curve converges fast; nothing is cut and no crossing is looked for.
+//! Gauss quadrature along each curve converges fast and nothing is cut.
 
 use super::area::{Estimate, GAUSS};
+use super::crossing_area::{cross, odd_even};
 use super::{BezierCurve, Net};
 use glam::{DMat3, DVec2, DVec3};
 
@@ -26,9 +27,13 @@ const MAX_CELLS: usize = 64;
 const SAMPLES: usize = 8;
 
 /// Area inside `outlines` by the odd-even rule, after the linear map `map`, in squared units, to about `tolerance` of it;
-/// the stated error is an estimate. Outlines may touch but not cross; which way they run does not matter.
+/// the stated error is an estimate. Which way outlines run does not matter. Where they cross each other or themselves
+/// rows are summed instead, which takes longer.
 pub fn trimmed_area(tiles: &[Tile], outlines: &[Outline], map: DMat3, tolerance: f64) -> Estimate {
     let Some(sheet) = Sheet::new(tiles, map, tolerance) else { return Estimate::default() };
+    if cross(outlines) {
+        return odd_even(&sheet, outlines, tolerance);
+    }
     let inside = depths(outlines);
     let mut sum = Estimate::default();
     for (outline, depth) in outlines.iter().zip(inside) {
@@ -40,7 +45,7 @@ pub fn trimmed_area(tiles: &[Tile], outlines: &[Outline], map: DMat3, tolerance:
 }
 
 /// A surface as `F` needs it.
-struct Sheet<'a> {
+pub(super) struct Sheet<'a> {
     cells: Vec<Strip<'a>>,
     map: DMat3,
     /// Heights at which it lies.
@@ -84,8 +89,18 @@ impl<'a> Sheet<'a> {
         Some(sheet)
     }
 
+    /// Of F, relative.
+    pub fn error(&self) -> f64 {
+        self.error
+    }
+
+    /// Where rows of tiles meet.
+    pub fn rows(&self) -> impl Iterator<Item = f64> + '_ {
+        self.borders[1].iter().copied()
+    }
+
     /// The integral of g over u from `start` to `end` at height v.
-    fn along(&self, [start, end]: [f64; 2], v: f64) -> f64 {
+    pub fn along(&self, [start, end]: [f64; 2], v: f64) -> f64 {
         // The topmost tiles are closed, the others have no upper border: each height has one row.
         let v = v.clamp(self.range[0], self.range[1].next_down());
         let (low, high, sign) = if start <= end { (start, end, 1.0) } else { (end, start, -1.0) };

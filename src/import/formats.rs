@@ -1,16 +1,16 @@
 //! The formats, each with how its content is recognised and how it is read.
 
-use super::{ParseError, bezierview, bpt, step};
+use super::{Origin, ParseError, bezierview, bpt, step};
 use crate::model::Model;
 
-type Reader = fn(&[u8], &str) -> Result<Model, ParseError>;
+type Reader = fn(&[u8], &Origin) -> Result<Model, ParseError>;
 
 /// One file format.
 #[derive(Clone, Copy)]
 pub(super) struct Format {
     pub name: &'static str,
     matches: fn(&[u8]) -> bool,
-    /// From bytes and the model's name; `None`: recognised, not read yet.
+    /// From bytes; `None`: recognised, not read yet.
     pub read: Option<Reader>,
 }
 
@@ -25,8 +25,12 @@ const FORMATS: [Format; 11] = [
     Format { name: "IGES", matches: is_iges, read: None },
     Format { name: "Wavefront OBJ", matches: is_obj, read: None },
     Format { name: "STL", matches: |b| opens_with(b, b"solid "), read: None },
-    Format { name: ".bpt", matches: bpt::matches, read: Some(bpt::parse) },
-    Format { name: "BezierView .bv", matches: bezierview::matches, read: Some(bezierview::parse) },
+    Format { name: ".bpt", matches: bpt::matches, read: Some(|bytes, from| bpt::parse(bytes, &from.name)) },
+    Format {
+        name: "BezierView .bv",
+        matches: bezierview::matches,
+        read: Some(|bytes, from| bezierview::parse(bytes, &from.name)),
+    },
 ];
 
 /// The format of a file's content.

@@ -5,12 +5,14 @@ mod bpt;
 mod brep;
 pub mod builtin;
 mod formats;
+mod origin;
 mod patches;
 mod scan;
 mod step;
 
 use crate::model::Model;
 use formats::Format;
+use origin::Origin;
 use scan::Stop;
 use std::{fs::File, io, io::Read, path::Path, path::PathBuf};
 use thiserror::Error;
@@ -60,11 +62,15 @@ pub fn load(source: &str) -> Result<Model, ImportError> {
     }
     let path = Path::new(source);
     let bytes = read_file(path)?;
-    read(&bytes, path)
+    read_from(&bytes, path, &Origin::file(path))
 }
 
-/// Reads a model from the bytes of a file; `path` names it in messages and is not opened.
+/// Reads a model from the bytes of a file; `path` names it in messages and is not opened, nor is what the file refers to.
 pub fn read(bytes: &[u8], path: &Path) -> Result<Model, ImportError> {
+    read_from(bytes, path, &Origin::nowhere(path))
+}
+
+fn read_from(bytes: &[u8], path: &Path, origin: &Origin) -> Result<Model, ImportError> {
     let path_buf = || path.to_path_buf();
     if bytes.trim_ascii().is_empty() {
         return Err(ImportError::Empty { path: path_buf() });
@@ -72,8 +78,7 @@ pub fn read(bytes: &[u8], path: &Path) -> Result<Model, ImportError> {
     let Format { name: format, read, .. } =
         formats::recognize(bytes).ok_or(ImportError::Unknown { path: path_buf() })?;
     let read = read.ok_or(ImportError::NotReadYet { path: path_buf(), format })?;
-    let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    read(bytes, &name).map_err(|e| ImportError::Format { path: path_buf(), line: e.line, what: e.what })
+    read(bytes, origin).map_err(|e| ImportError::Format { path: path_buf(), line: e.line, what: e.what })
 }
 
 /// Reads only the text of a STEP file: the number of entities in it. `None` for other formats.

@@ -33,6 +33,14 @@ pub struct Figures {
     pub edges: usize,
     /// Largest distance between a trim curve and its edge, in units.
     pub largest_gap: f64,
+    /// Stored faces with trim curves that follow their edges' images but are not these; such curves; and the largest
+    /// distance from the image in space that was found, in units.
+    pub approximated_faces: usize,
+    pub approximated_curves: usize,
+    pub largest_approximation: f64,
+    /// Faces that the file hides, and curves that bound no face: neither is drawn.
+    pub hidden_faces: usize,
+    pub lone_curves: usize,
     /// Of all faces that are drawn, in squared units.
     pub area: f64,
     /// What the area may still be off by, as a fraction of it; an estimate.
@@ -59,6 +67,9 @@ pub struct FaceFigures {
     pub surface: &'static str,
     pub bezier_patches: usize,
     pub loops: usize,
+    /// Trim curves that follow their edges' images but are not these, and how near, in the part's units.
+    pub approximated_curves: u32,
+    pub approximation: f64,
     /// In the part's own squared units.
     pub area: f64,
     /// What the area may still be off by, as a fraction of it; an estimate.
@@ -98,6 +109,11 @@ impl Model {
             trim_curves: curves().count(),
             edges: self.edges(),
             largest_gap: curves().map(|c| c.gap).fold(0.0, f64::max),
+            approximated_faces: faces().filter(|f| f.approximation.curves > 0).count(),
+            approximated_curves: faces().map(|f| f.approximation.curves as usize).sum(),
+            largest_approximation: faces().map(|f| f.approximation.error).fold(0.0, f64::max),
+            hidden_faces: self.unshown.hidden_faces,
+            lone_curves: self.unshown.lone_curves,
             area: areas.total.value,
             area_relative_error: areas.total.relative_error(),
             bounds: self.bounds().map(|b| b.map(Into::into)),
@@ -125,6 +141,8 @@ impl Model {
                 surface: face.kind.name(),
                 bezier_patches: face.surface.patches.len(),
                 loops: face.loops.len(),
+                approximated_curves: face.approximation.curves,
+                approximation: face.approximation.error,
                 area: area.value,
                 area_relative_error: area.relative_error(),
                 warnings: warnings.get(&face.id).cloned().unwrap_or_default(),

@@ -1,9 +1,8 @@
-//! Several models as one, and one part of a model.
+//! Several models as one.
 
-use super::{Face, Model, Part, Warning};
+use super::{Model, Warning};
 use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
-use thiserror::Error;
 
 /// Where the models of several files stand.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
@@ -14,18 +13,6 @@ pub enum Layout {
     /// Side by side, by their boxes, in rows of about the same width.
     Grid,
 }
-
-/// Why a part could not be selected.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
-pub enum PartError {
-    #[error("there is no part, solid or face #{id}")]
-    NoEntity { id: String },
-    #[error("there is no part named {name:?}; there are: {known}")]
-    NoName { name: String, known: String },
-}
-
-/// Names that an error lists.
-const LISTED: usize = 12;
 
 /// Space about each model of a grid, as a fraction of its larger side.
 const SPACING: f64 = 0.1;
@@ -41,7 +28,7 @@ impl Model {
         let mut all = Model::default();
         let mut units: Vec<Option<String>> = Vec::new();
         for (model, place) in models.into_iter().zip(places) {
-            let Model { name, parts, instances, unit, warnings, lost } = model;
+            let Model { name, parts, instances, unit, warnings, lost, unshown, aliases } = model;
             let first = all.parts.len();
             all.parts.extend(parts);
             all.instances.extend(instances.into_iter().map(|mut instance| {
@@ -51,6 +38,9 @@ impl Model {
             }));
             all.warnings.extend(warnings);
             all.lost.extend(lost);
+            all.unshown.hidden_faces += unshown.hidden_faces;
+            all.unshown.lone_curves += unshown.lone_curves;
+            all.aliases.extend(aliases);
             if !units.contains(&unit) {
                 units.push(unit);
             }
@@ -68,65 +58,6 @@ impl Model {
         };
         all.unit = unit.take();
         all
-    }
-
-    /// Keeps one part: `#ID` is the file's number of a part or of a single face; anything else the name of a part or of an
-    /// instance, whole or between slashes, if need be without regard to case.
-    pub fn select(self, part: &str) -> Result<Model, PartError> {
-        let Some(id) = part.strip_prefix('#') else { return self.select_named(part) };
-        let missing = || PartError::NoEntity { id: id.to_owned() };
-        let number: u32 = id.parse().map_err(|_| missing())?;
-        if number != 0 && self.parts.iter().any(|p| p.id == number) {
-            return Ok(self.keep(|part, _| part.id == number));
-        }
-        let is_it = |face: &Face| face.id == number;
-        let mut model = self.keep(|part, _| part.faces.iter().any(is_it));
-        model.parts.iter_mut().for_each(|part| part.faces.retain(is_it));
-        // A single face bounds no solid.
-        model.parts.iter_mut().for_each(|part| part.solidity = super::Solidity::Open);
-        if model.parts.is_empty() { Err(missing()) } else { Ok(model) }
-    }
-
-    fn select_named(self, name: &str) -> Result<Model, PartError> {
-        let exact = |other: &str| other == name;
-        let lower = name.to_lowercase();
-        let any_case = |other: &str| other.to_lowercase() == lower;
-        for same in [&exact as &dyn Fn(&str) -> bool, &any_case] {
-            let is_it =
-                |part: &Part, instance: &str| same(&part.name) || same(instance) || instance.split('/').any(same);
-            if self.instances.iter().any(|i| is_it(&self.parts[i.part], &i.name)) {
-                return Ok(self.keep(is_it));
-            }
-        }
-        Err(PartError::NoName { name: name.to_owned(), known: self.known_names() })
-    }
-
-    /// Drops the other instances, and the parts that none is left of.
-    fn keep(mut self, wanted: impl Fn(&Part, &str) -> bool) -> Model {
-        let parts = &self.parts;
-        self.instances.retain(|i| wanted(&parts[i.part], &i.name));
-        let mut numbers = vec![None; self.parts.len()];
-        self.instances.iter().for_each(|i| numbers[i.part] = Some(0));
-        for (next, number) in numbers.iter_mut().flatten().enumerate() {
-            *number = next;
-        }
-        self.instances.iter_mut().for_each(|i| i.part = numbers[i.part].unwrap_or_default());
-        let mut kept = numbers.iter();
-        self.parts.retain(|_| kept.next().is_some_and(Option::is_some));
-        self
-    }
-
-    fn known_names(&self) -> String {
-        let mut names: Vec<&str> = self.parts.iter().map(|p| p.name.as_str()).filter(|n| !n.is_empty()).collect();
-        names.sort_unstable();
-        names.dedup();
-        let more = names.len().saturating_sub(LISTED);
-        names.truncate(LISTED);
-        match (names.is_empty(), more) {
-            (true, _) => "none with a name".to_owned(),
-            (_, 0) => names.join(", "),
-            _ => format!("{} and {more} more", names.join(", ")),
-        }
     }
 }
 

@@ -3,14 +3,17 @@
 mod figures;
 mod library;
 mod measure;
+mod select;
 
 pub use figures::{FaceFigures, Figures};
-pub use library::{Layout, PartError};
+pub use library::Layout;
 pub use measure::Areas;
+pub use select::PartError;
 
 use crate::geometry::{BezierCurve, BezierPatch, PatchPiece};
 use glam::{DAffine3, DVec3};
 use serde::Serialize;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Everything that was read from one file (or built in).
@@ -25,6 +28,18 @@ pub struct Model {
     pub warnings: Vec<Warning>,
     /// Faces that could not be converted, with the reason.
     pub lost: Vec<Warning>,
+    /// What the file has and no picture is to show.
+    pub unshown: Unshown,
+    /// Other numbers of parts in the file, each with a part's own: those of products and of their versions.
+    pub aliases: Vec<[u32; 2]>,
+}
+
+/// What is left out because it is no face, or because the file hides it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Unshown {
+    pub hidden_faces: usize,
+    /// Curves that bound no face.
+    pub lone_curves: usize,
 }
 
 /// Faces that move together; drawn once per instance, never copied.
@@ -35,6 +50,18 @@ pub struct Part {
     pub name: String,
     pub faces: Vec<Face>,
     pub solidity: Solidity,
+    /// Solids, shells, sets and representations in it.
+    pub groups: Vec<Group>,
+}
+
+/// Some faces of a part that the file has a number for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Group {
+    pub id: u32,
+    pub name: String,
+    /// Its faces bound a solid with outward normals.
+    pub is_solid: bool,
+    pub faces: Range<usize>,
 }
 
 /// Whether a part's faces bound a solid with outward normals (`S_u x S_v`), so that back faces can't be seen.
@@ -62,6 +89,15 @@ pub struct Face {
     pub loops: Arc<[Loop]>,
     /// The face's outward normal is `-(S_u x S_v)`.
     pub reversed: bool,
+    pub approximation: Approximation,
+}
+
+/// Trim curves of a face that follow their edges' images without being these images.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Approximation {
+    pub curves: u32,
+    /// Largest distance in space that was found, in the part's units.
+    pub error: f64,
 }
 
 /// What the file calls the surface.
@@ -116,13 +152,15 @@ pub struct SurfacePatch {
 }
 
 /// A part placed in the world.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Instance {
     pub part: usize,
     pub transform: DAffine3,
     pub name: String,
     /// Overrides the faces' colours where set.
     pub color: Option<[f32; 3]>,
+    /// The file's numbers on the way from the top: of parts, and of their uses in each other.
+    pub path: Vec<u32>,
 }
 
 /// Something that was left out or mended while reading.
@@ -158,7 +196,7 @@ impl Model {
     /// A model of one part, placed once as it is.
     pub fn from_part(name: impl Into<String>, part: Part) -> Self {
         let name = name.into();
-        let instance = Instance { part: 0, transform: DAffine3::IDENTITY, name: part.name.clone(), color: None };
+        let instance = Instance { name: part.name.clone(), ..Instance::default() };
         Self { name, parts: vec![part], instances: vec![instance], ..Self::default() }
     }
 

@@ -5,8 +5,8 @@ use super::{ParameterBox, PatchTrim};
 use crate::model::Face;
 use rayon::prelude::*;
 
-/// Faces a task looks at.
-const CHUNK: usize = 256;
+/// Faces a task looks at: a file of a few hundred must keep all threads busy.
+const CHUNK: usize = 32;
 /// Curves that come this near to a patch's border, as a share of its size, run along it: there is nothing to cut.
 const ALONG: f64 = 1e-10;
 /// The same for taking over a curve's gap: files are less exact than that.

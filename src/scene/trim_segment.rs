@@ -11,6 +11,8 @@ use glam::{DVec3, DVec4};
 const STEPS: usize = 128;
 /// Splits of a curve in search of monotone parts: what turns even then goes as it is, kept between its ends.
 const MAX_DEPTH: usize = 20;
+/// Points of the curves that fits make, at most.
+const FEW: usize = 9;
 /// Differences below this share of the curve's largest coordinate are rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
@@ -240,18 +242,22 @@ fn homogeneous(points: &[DVec3], t: f64) -> DVec3 {
     match *points {
         [a, b, c] => (a * s + b * (2.0 * t)) * s + c * (t * t),
         [a, b, c, d] => ((a * s + b * (3.0 * t)) * s + c * (3.0 * t * t)) * s + d * (t * t * t),
-        _ => {
-            let mut column = [DVec3::ZERO; MAX_DEGREE + 1];
-            let column = &mut column[..points.len()];
-            column.copy_from_slice(points);
-            for level in (1..column.len()).rev() {
-                for k in 0..level {
-                    column[k] = column[k] * s + column[k + 1] * t;
-                }
-            }
-            column[0]
+        // Clearing room for the highest degree would take longer than all else.
+        _ if points.len() <= FEW => casteljau::<FEW>(points, t),
+        _ => casteljau::<{ MAX_DEGREE + 1 }>(points, t),
+    }
+}
+
+fn casteljau<const N: usize>(points: &[DVec3], t: f64) -> DVec3 {
+    let mut column = [DVec3::ZERO; N];
+    let column = &mut column[..points.len()];
+    column.copy_from_slice(points);
+    for level in (1..column.len()).rev() {
+        for k in 0..level {
+            column[k] = column[k] * (1.0 - t) + column[k + 1] * t;
         }
     }
+    column[0]
 }
 
 /// Appends the monotone segments of a curve that runs from `start` to `end` (its own ends, but for rounding).
@@ -342,23 +348,26 @@ fn turn(part: &BezierCurve, axis: usize, size: [f64; 2]) -> Turn {
     }
 }
 
-/// Where a coordinate with one turn of its control points turns: bisection on the derivative's sign.
+/// Where a coordinate with one turn of its control points turns: brackets about the zero of the derivative.
 fn extreme(part: &BezierCurve, axis: usize) -> Turn {
     let slope = |t: f64| {
         let (p, d) = part.jet(t);
         d[axis] * p.w - p[axis] * d.w
     };
-    let (mut a, mut b) = (0.0, 1.0);
-    let from = slope(a);
-    if from * slope(b) >= 0.0 {
+    let (mut a, mut b) = ((0.0, slope(0.0)), (1.0, slope(1.0)));
+    let from = a.1;
+    if from * b.1 >= 0.0 {
         return Turn::Unknown;
     }
-    for _ in 0..60 {
-        let t = 0.5 * (a + b);
-        if t == a || t == b {
+    for step in 0..STEPS {
+        // The secant comes close from one side; kept off the ends it soon brings up the other one. Every third step halves.
+        let share = if step % 3 == 2 { 0.5 } else { (a.1 / (a.1 - b.1)).clamp(0.01, 0.99) };
+        let t = a.0 + (b.0 - a.0) * share;
+        if t == a.0 || t == b.0 {
             break;
         }
-        if slope(t) * from > 0.0 { a = t } else { b = t }
+        let here = (t, slope(t));
+        if here.1 * from > 0.0 { a = here } else { b = here }
     }
-    Turn::At(0.5 * (a + b))
+    Turn::At(0.5 * (a.0 + b.0))
 }

@@ -214,6 +214,29 @@ impl<'a> TrimTree<'a> {
         }
     }
 
+    /// Appends the numbers of the segments that meet a closed box, each once. A box without any is wholly inside or outside.
+    pub fn collect(&self, within: &ParameterBox, found: &mut Vec<u32>) {
+        let start = found.len();
+        self.visit(within, &mut |clips: &[Clip], _: &ParameterBox| {
+            found.extend(clips.iter().map(|c| c.segment).filter(|&s| self.meets(s, within)));
+            false
+        });
+        found[start..].sort_unstable();
+        let mut kept = start;
+        for k in start..found.len() {
+            if k == start || found[k] != found[kept - 1] {
+                found[kept] = found[k];
+                kept += 1;
+            }
+        }
+        found.truncate(kept);
+    }
+
+    /// A segment, by its number, meets a closed box.
+    pub fn meets(&self, segment: u32, within: &ParameterBox) -> bool {
+        self.trims.segments[segment as usize].meets(&self.trims.points, within)
+    }
+
     /// Largest gap of the curves that meet a closed box; `None` where none does.
     pub fn gap_in(&self, within: &ParameterBox) -> Option<f64> {
         let mut largest: Option<f64> = None;

@@ -4,6 +4,7 @@
 //! quads. Tolerances are in pixels; z is camera depth.
 
 use super::cull::Leaf;
+use super::estimate::Tessellation;
 use super::lens::{Lens, PatchMap};
 use super::{Bound, slefe};
 use crate::geometry::Net;
@@ -133,6 +134,28 @@ fn screen(subject: &Subject) -> Constraints {
     }
     signed(&mut out, subject.enclosure, map.axes[2], 1.0 / (8.0 * subject.depth_tolerance));
     out
+}
+
+/// What a grid is off by at most: pixels in x and in y, and camera depth in model units. `screen` read the other way
+/// round, for all pixels that see the leaf; affine interpolation.
+pub(super) fn deviation(subject: &Subject, grid: &Tessellation) -> [f64; 2] {
+    let Subject { leaf, lens, map, enclosure, .. } = *subject;
+    let (mut pixels, mut depth) = (Constraints::new(), Constraints::new());
+    let z_min = if lens.perspective { subject.z_min() } else { 1.0 };
+    for axis in 0..2 {
+        let half = lens.half(axis);
+        let ends = [leaf.low[axis].clamp(-half, half), leaf.high[axis].clamp(-half, half)];
+        for &xi in if lens.perspective { &ends[..] } else { &ends[..1] } {
+            let tilt = if lens.perspective { xi } else { 0.0 };
+            signed(&mut pixels, enclosure, map.axes[axis] * lens.scale - map.axes[2] * tilt, 1.0 / (8.0 * z_min));
+        }
+    }
+    signed(&mut depth, enclosure, map.axes[2], 1.0 / 8.0);
+    let [nu, nv] = grid.quads.map(f64::from);
+    [pixels, depth].map(|constraints| {
+        let shares = constraints.of(grid.diagonal.into()).iter();
+        shares.map(|[a, b, c]| a / (nu * nu) + b / (nu * nv) + c / (nv * nv)).fold(0.0, f64::max)
+    })
 }
 
 /// Both signs of one direction: the sign and diagonal refinement of section 2.

@@ -1,8 +1,8 @@
 //! estimate: the grid of each leaf from its bound (DESIGN section 4; ETER's TFE).
 
-use super::bounds::{Constraints, Subject, constraints};
+use super::bounds::{Constraints, Subject, constraints, deviation};
 use super::cull::{Culler, Leaf, Leaves};
-use super::{Grid, RenderError};
+use super::{Bound, Grid, RenderError};
 use glam::Vec4;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -24,11 +24,14 @@ const MAX_VERTICES: u64 = 1 << 28;
 const MAX_DEPTH: u32 = 40;
 
 /// The grid of one leaf.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tessellation {
     pub quads: [u32; 2],
     /// 0: (0,0)-(1,1); 1: (1,0)-(0,1).
     pub diagonal: u8,
+    /// What the grid is really off by at most, parameter by parameter: at most the tolerance, and next to nothing on flat
+    /// patches. Pixels, snapping and rounding included, and camera depth in model units.
+    pub deviation: [f32; 2],
 }
 
 impl Tessellation {
@@ -176,11 +179,19 @@ fn grid_of(culler: &Culler, leaf: &Leaf, projected: &[Vec4]) -> Result<Result<Te
     let Some(mut grid) = solve(&constraints) else {
         return too_large(culler, leaf, &constraints);
     };
+    grid.deviation = [options.tolerance, subject.depth_tolerance].map(|d| d as f32);
     if options.grid == Grid::Eter {
         grid.quads = grid.quads.map(|n| n.next_multiple_of(MESHLET));
     }
     if grid.all_quads() > MAX_QUADS {
         return too_large(culler, leaf, &constraints);
+    }
+    // The other bounds certify another interpolation, or nothing: the tolerance is all that is known.
+    if matches!(options.bound, Bound::Screen | Bound::Filip) {
+        let [pixels, depth] = deviation(&subject, &grid);
+        let least = |real: f64, allowed: f64| if real < allowed { real } else { allowed };
+        let pixels = SNAPPING + leaf.rounding + least(pixels, tolerance);
+        grid.deviation = [pixels, least(depth, subject.depth_tolerance)].map(|d| (d as f32).next_up());
     }
     Ok(Ok(grid))
 }
@@ -204,7 +215,7 @@ pub(super) fn solve(constraints: &Constraints) -> Option<Tessellation> {
     let candidates = [0u8, 1].map(|diagonal| solve_one(constraints.of(diagonal.into())).map(|quads| (quads, diagonal)));
     let area = |quads: [u32; 2]| u64::from(quads[0]) * u64::from(quads[1]);
     let best = candidates.into_iter().flatten().min_by_key(|&(quads, diagonal)| (area(quads), diagonal))?;
-    Some(Tessellation { quads: best.0, diagonal: best.1 })
+    Some(Tessellation { quads: best.0, diagonal: best.1, deviation: [f32::INFINITY; 2] })
 }
 
 fn solve_one(constraints: &[[f64; 3]]) -> Option<[u32; 2]> {

@@ -162,7 +162,7 @@ impl Evaluator<'_> {
                     rows: self.rows(&out.vertices[start..]),
                 };
                 if let Some(cut) = &cut {
-                    match trim_cut::region(cut, options.tolerance, grid.quads, &meshlet, &out.vertices[start..]) {
+                    match trim_cut::region(cut, grid, &meshlet, &out.vertices[start..]) {
                         Region::Inside => out.trim.meshlets_inside += 1,
                         Region::Boundary => meshlet.tested = true,
                         Region::Outside => {

@@ -125,7 +125,8 @@ impl<'a> Renderer<'a> {
         let meshlets = self.evaluate(&lens, options, &leaves, &grids)?;
         clock.stage("evaluate");
         let mut targets = self.take_targets(camera.size);
-        let pens: Vec<Pen> = leaves.leaves.iter().map(|leaf| self.pen(&lens, options, leaf)).collect();
+        let pens = (leaves.leaves.iter().zip(&grids)).map(|(leaf, grid)| self.pen(&lens, options, leaf, grid));
+        let pens: Vec<Pen> = pens.collect();
         rasterize(&meshlets, &pens, options, camera.size, &mut targets);
         clock.stage("rasterize");
         let Leaves { leaves, nets, patches_visible } = leaves;
@@ -253,11 +254,11 @@ impl<'a> Renderer<'a> {
         Ok(all)
     }
 
-    fn pen(&self, lens: &Lens, options: &Options, leaf: &Leaf) -> Pen {
+    fn pen(&self, lens: &Lens, options: &Options, leaf: &Leaf, grid: &Tessellation) -> Pen {
         let PatchTrim { tree, rim, .. } = self.scene.patches[leaf.patch as usize].trim;
         let ends = options.trim != Trim::Off && (tree.is_some() || rim);
         let gap = ends.then(|| gaps(self.scene, lens, leaf)[1]);
-        Pen::new(leaf, options.tolerance, options.refine > 0, gap)
+        Pen::new(leaf, grid, options.tolerance, options.refine > 0, gap)
     }
 
     fn take_targets(&mut self, size: [u32; 2]) -> Targets {

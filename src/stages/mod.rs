@@ -14,6 +14,7 @@ mod newton;
 mod options;
 mod rasterize;
 mod settle;
+mod settle_near;
 mod shade;
 mod show;
 mod slefe;
@@ -22,6 +23,7 @@ mod stroke;
 mod topology;
 mod trim;
 mod trim_cut;
+mod trim_quad;
 mod trim_texture;
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 
 use super::estimate::MESHLET;
 use super::evaluate::{Meshlet, Meshlets, SUBPIXELS, Vertex};
-use super::fill::is_tested_alone;
 use super::frame::Targets;
 use super::stroke::{self, Pen};
 use super::topology::{FOLD, edge, edge_index, triangle_index, triangles, word};
@@ -12,6 +11,8 @@ use rayon::prelude::*;
 /// Rows of pixels one task draws: a band of both buffers stays in the second-level cache.
 pub(super) const BAND: usize = 16;
 const HALF: i64 = SUBPIXELS as i64 / 2;
+/// Rows of so many pixels and more are worth three divisions to find what the triangle has of them.
+const LONG: i64 = 12;
 
 /// One band of both buffers.
 pub(super) struct Band<'a> {
@@ -28,7 +29,7 @@ pub(super) struct Band<'a> {
     pub listed: Option<Vec<(u32, u64)>>,
 }
 
-/// Draws all meshlets, but for the triangles of those that trim.rs tests. `pens[leaf]` is the stroke radius of a leaf.
+/// Draws all meshlets but those that trim.rs tests. `pens[leaf]` is the stroke radius of a leaf.
 pub(super) fn rasterize(meshlets: &Meshlets, pens: &[Pen], options: &Options, size: [u32; 2], targets: &mut Targets) {
     let width = size[0] as usize;
     let all = 0..meshlets.meshlets.len() as u32;
@@ -92,10 +93,6 @@ impl Bins {
 fn draw(meshlets: &Meshlets, number: u32, pens: &[Pen], options: &Options, band: &mut Band) {
     let meshlet = &meshlets.meshlets[number as usize];
     if meshlet.tested {
-        // Strokes that only propose pixels need no test of their own.
-        if !is_tested_alone(options) {
-            outlines(meshlets, number, pens, options.fill, band);
-        }
         return;
     }
     let at = |[i, j]: [usize; 2]| meshlets.vertices[meshlet.vertex(i, j)];
@@ -260,6 +257,20 @@ pub(super) fn pixel_range(low: i64, high: i64) -> (i64, i64) {
     ((low - HALF + SUBPIXELS as i64 - 1).div_euclid(SUBPIXELS as i64), (high - HALF).div_euclid(SUBPIXELS as i64))
 }
 
+/// The first and last of `0..=steps` at which three edge functions are all at least zero, each `start + step k` there.
+pub(super) fn span(start: [i64; 3], step: [i64; 3], steps: i64) -> Option<(i64, i64)> {
+    let (mut low, mut high) = (0, steps);
+    for (e, d) in start.into_iter().zip(step) {
+        match d.signum() {
+            1 if e < 0 => low = low.max((d - 1 - e) / d),
+            -1 if e >= 0 => high = high.min(e / -d),
+            _ if e < 0 => return None,
+            _ => {}
+        }
+    }
+    (low <= high).then_some((low, high))
+}
+
 /// The pixel centres that a triangle covers in one band.
 pub(super) struct Coverage {
     /// First and last pixel in x and in y that it may cover.
@@ -289,6 +300,25 @@ impl Coverage {
         (t.area != 0).then_some(Self { pixels: [(x0, x1), (y0, y1)], triangle: t, bias, depth })
     }
 
+    /// The triangle may cover centres in a part of `pixels`: no edge has all of them on its outer side.
+    pub fn meets(&self, [(x0, x1), (y0, y1)]: [(i64, i64); 2]) -> bool {
+        let t = &self.triangle;
+        let center = |pixel: i64| pixel * SUBPIXELS as i64 + HALF;
+        (0..3).all(|k| {
+            let n = (k + 1) % 3;
+            let x = if t.y[n] > t.y[k] { x0 } else { x1 };
+            let y = if t.x[n] > t.x[k] { y1 } else { y0 };
+            t.edge(k, center(x), center(y)) >= self.bias[k]
+        })
+    }
+
+    /// Some fragment in a part of `pixels` would win.
+    pub fn wins(&self, part: [(i64, i64); 2], id: u64, band: &mut Band) -> bool {
+        let mut wins = false;
+        self.each(part, id, band, |_, _, _| wins = true);
+        wins
+    }
+
     /// Fragments in a part of `pixels`.
     #[inline(always)]
     pub fn draw(&self, part: [(i64, i64); 2], id: u64, band: &mut Band) {
@@ -316,7 +346,13 @@ impl Coverage {
             let row = &mut band.near[first..][..band.width as usize];
             let dy = y - y0;
             let mut e: [i64; 3] = std::array::from_fn(|k| start[k] + step_y[k] * dy);
-            for (x, pixel) in (x0..).zip(&mut row[x0 as usize..=x1 as usize]) {
+            let (mut first_x, mut last_x) = (x0, x1);
+            if x1 - x0 >= LONG {
+                let Some((from, to)) = span(e, step_x, x1 - x0) else { continue };
+                (first_x, last_x) = (x0 + from, x0 + to);
+                e = std::array::from_fn(|k| e[k] + step_x[k] * from);
+            }
+            for (x, pixel) in (first_x..).zip(&mut row[first_x as usize..=last_x as usize]) {
                 if (e[0] | e[1] | e[2]) >= 0 {
                     let weight = |k: usize| (e[k] + self.bias[k]) as f32;
                     let d = weight(0) * self.depth[0] + weight(1) * self.depth[1] + weight(2) * self.depth[2];
@@ -329,6 +365,26 @@ impl Coverage {
                     e[k] += step_x[k];
                 }
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn spans_are_what_all_edges_leave(
+            start in prop::array::uniform3(-500i64..500),
+            step in prop::array::uniform3(-40i64..40),
+            steps in 0i64..60,
+        ) {
+            let inside = |k: &i64| (0..3).all(|n| start[n] + step[n] * k >= 0);
+            let all: Vec<i64> = (0..=steps).filter(inside).collect();
+            let ends = all.first().copied().zip(all.last().copied());
+            prop_assert_eq!(span(start, step, steps), ends);
         }
     }
 }

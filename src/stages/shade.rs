@@ -72,6 +72,7 @@ pub(super) fn shade(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fil
         doubts
     });
     let mut doubts: Vec<Filled> = doubts.flatten().collect();
+    doubts.sort_unstable_by_key(|d| d.pixel);
     doubts.retain(|d| filled.binary_search_by_key(&d.pixel, |f| f.pixel).is_err());
     resettle(shader, targets, &doubts, filled);
     // Where a filled pixel's parameters are known, they stand: its triangle would lead astray near a silhouette.
@@ -230,6 +231,12 @@ impl Shader<'_> {
             lens.near + (1.0 - f64::from(stored)) * lens.extent
         };
         self.stored_depth((z - self.options.depth_tolerance * lens.pixel_size(z)) as f32)
+    }
+
+    /// A stored depth, farther by so many model units.
+    pub(super) fn farther(&self, stored: f32, by: f64) -> f64 {
+        let (lens, stored) = (self.lens, f64::from(stored));
+        if lens.perspective { stored / (1.0 + stored * by / lens.near) } else { stored - by / lens.extent }
     }
 
     /// The exact point is not where the grid's depth said, or not under the pixel's centre: on steep surfaces half a

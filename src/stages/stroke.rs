@@ -2,6 +2,7 @@
 //! "crack-closing", section 2, rules 1 to 4).
 
 use super::cull::Leaf;
+use super::estimate::Tessellation;
 use super::evaluate::{SUBPIXELS, Vertex};
 use super::rasterize::{Band, Triangle, pixel_range};
 use super::topology::depth_of;
@@ -22,21 +23,23 @@ pub(super) struct Pen {
 }
 
 impl Pen {
-    /// Half the grid's tolerance (every gap point is that near to an edge), half a sub-pixel of snapping for each of
-    /// the two borders, and their rounding.
+    /// What the leaf's own grid is off by, and at most half the tolerance: every gap point between two grids is that near
+    /// to an edge of one of them (research "crack-closing"; the two are off a common curve by no more than they are each).
+    /// Half a sub-pixel of snapping for each of the two borders, and their rounding.
     ///
     /// Folds only propose pixels: without `refine` nobody could tell which of them the surface covers.
     ///
     /// Where the face ends or is cut, nothing comes to meet it from the other side: `rim` is the model's own gap there in
-    /// pixels, to be reached over on top of the whole tolerance. These, too, only propose pixels.
-    pub fn new(leaf: &Leaf, tolerance: f64, refine: bool, rim: Option<f64>) -> Self {
-        let tolerance = (tolerance - 1.0 / (2.0 * f64::from(SUBPIXELS)) - leaf.rounding).max(0.0);
+    /// pixels, to be reached over on top of all that the grid is off by. These, too, only propose pixels.
+    pub fn new(leaf: &Leaf, grid: &Tessellation, tolerance: f64, refine: bool, rim: Option<f64>) -> Self {
         let subpixels = f64::from(SUBPIXELS);
-        let radius = |reach: f64| (subpixels * (reach + leaf.rounding) + 0.5).ceil() as i64;
+        let off = f64::from(grid.deviation[0]);
+        let shared = off.min(0.5 * (tolerance - 0.5 / subpixels - leaf.rounding).max(0.0) + leaf.rounding);
+        let radius = |reach: f64| (subpixels * reach + 0.5).ceil() as i64;
         let gap = rim.unwrap_or(0.0);
         Self {
-            radius: radius(if refine && rim.is_some() { tolerance + gap } else { tolerance / 2.0 }),
-            fold: if refine { radius(tolerance + gap) } else { 0 },
+            radius: radius(if refine && rim.is_some() { off + gap } else { shared }),
+            fold: if refine { radius(off + gap) } else { 0 },
         }
     }
 }

@@ -6,25 +6,29 @@
 //! own gap of a curve counts as inside, so that the faces meet.
 
 use super::cull::Leaf;
-use super::evaluate::{Meshlet, SUBPIXELS, Vertex};
+use super::estimate::Tessellation;
+use super::evaluate::Meshlet;
 use super::fill::is_tested_alone;
 use super::frame::Targets;
 use super::newton::{Batch, LANES};
 use super::rasterize::{BAND, Band, Bins, Coverage, faces_away, outlines};
 use super::settle::EXACT;
 use super::shade::Shader;
-use super::stroke::Pen;
-use super::topology::{FOLD, depth_of, meshlet_of, triangle_index, triangles, word};
+use super::stroke::{Pen, is_nearer};
+use super::topology::{FOLD, Primitive, depth_of, index_of, meshlet_of, primitive, triangle_index, triangles, word};
 use super::trim_cut::{Cut, keeps};
+use super::trim_quad::Quad;
 use super::trim_texture::Texture;
 use super::{Fill, Trim};
-use crate::scene::Region;
+use crate::scene::{ParameterBox, Region};
 use rayon::prelude::*;
 use serde::Serialize;
+use std::ops::Range;
 
-/// Pixels a side of the largest blocks that are classified at once, and of those whose pixels are tested each.
-const LARGEST: i64 = 16;
-const SMALLEST: i64 = 2;
+/// Pixels a side of blocks whose pixels are looked at each.
+const SMALL: i64 = 4;
+/// Pixels a side of blocks, and of triangles, that are worth asking whether they are hidden.
+const HIDEABLE: i64 = 8;
 
 /// What trimming did in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
@@ -37,6 +41,8 @@ pub struct TrimCounts {
     pub tested: u64,
     pub rejected: u64,
     pub proposed: u64,
+    /// `--trim texture`: textures that would need more texels a side than they may have, so that the tolerance is missed.
+    pub textures_too_coarse: u64,
 }
 
 impl TrimCounts {
@@ -48,6 +54,7 @@ impl TrimCounts {
             tested: self.tested + other.tested,
             rejected: self.rejected + other.rejected,
             proposed: self.proposed + other.proposed,
+            textures_too_coarse: self.textures_too_coarse + other.textures_too_coarse,
         }
     }
 }
@@ -58,6 +65,8 @@ struct Trimmer<'a> {
     counts: TrimCounts,
     /// Fragments of the meshlet being drawn that have to be refined: pixel of the band, word.
     queue: Vec<(u32, u64)>,
+    /// Curves that meet the blocks of pixels on the way down, one list behind the other.
+    curves: Vec<u32>,
 }
 
 /// The textures of `--trim texture`, by leaf; none otherwise.
@@ -86,8 +95,9 @@ pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> Trim
     };
     let tested = meshlets.iter().enumerate().filter(|(_, m)| m.tested);
     let mut order: Vec<(f32, u32)> = tested.map(|(k, m)| (nearest(m), k as u32)).collect();
+    let textures_too_coarse = shader.textures.iter().flatten().filter(|t| t.is_too_coarse()).count() as u64;
     if order.is_empty() {
-        return TrimCounts::default();
+        return TrimCounts { textures_too_coarse, ..TrimCounts::default() };
     }
     order.par_sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let bins = Bins::new(meshlets, order.iter().map(|&(_, k)| k), (shader.lens.size[1] as usize).div_ceil(BAND));
@@ -97,7 +107,7 @@ pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> Trim
         let first = (k * BAND) as i32;
         let rows = [first, first + (near.len() / width) as i32];
         let mut band = Band { width: width as i32, rows, near, spare, touched, listed: None };
-        let mut trimmer = Trimmer { shader, counts: TrimCounts::default(), queue: Vec::new() };
+        let mut trimmer = Trimmer { shader, counts: TrimCounts::default(), queue: Vec::new(), curves: Vec::new() };
         for &number in bins.of(k) {
             trimmer.meshlet(number, pens, &mut band);
         }
@@ -105,6 +115,7 @@ pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> Trim
     });
     let mut counts = counts.reduce(TrimCounts::default, TrimCounts::plus);
     counts.meshlets_boundary = order.len() as u64;
+    counts.textures_too_coarse = textures_too_coarse;
     counts
 }
 
@@ -114,7 +125,7 @@ impl Trimmer<'_> {
         let meshlet = &meshlets.meshlets[number as usize];
         let leaf = &leaves[meshlet.leaf as usize];
         let Some(cut) = Cut::new(scene, lens, options, leaf) else { return };
-        let quads = grids[meshlet.leaf as usize].quads;
+        let Tessellation { quads, deviation: [deviation, _], .. } = grids[meshlet.leaf as usize];
         for a in 0..usize::from(meshlet.quads[0]) {
             for b in 0..usize::from(meshlet.quads[1]) {
                 let first = triangle_index(meshlet, a, b);
@@ -124,77 +135,131 @@ impl Trimmer<'_> {
                         continue;
                     }
                     let Some(coverage) = Coverage::new(&vertices, band) else { continue };
-                    let spread = cut.spread(corners, &vertices, options.tolerance);
-                    let at = |k: usize, c: f64| (f64::from(meshlet.first[k]) + c) / f64::from(quads[k]);
-                    let quad = Quad {
-                        low: [at(0, a as f64), at(1, b as f64)],
-                        high: [at(0, a as f64 + 1.0), at(1, b as f64 + 1.0)],
-                        spread: [0, 1].map(|k| spread[k] / f64::from(quads[k])),
-                        corners: corners.map(|[i, j]| [at(0, i as f64), at(1, j as f64)]),
-                    };
                     let id = word(0.0, number, first + k as u32);
-                    self.triangle(&cut, &quad, &coverage, &vertices, id, band);
+                    let [(x0, x1), (y0, y1)] = coverage.pixels;
+                    if (x1 - x0).max(y1 - y0) < HIDEABLE && !coverage.wins(coverage.pixels, id, band) {
+                        continue;
+                    }
+                    let spread = cut.spread(corners, &vertices, deviation);
+                    let at = |k: usize, c: f64| (f64::from(meshlet.first[k]) + c) / f64::from(quads[k]);
+                    let quad = Quad::new(
+                        [at(0, a as f64), at(1, b as f64)],
+                        [at(0, a as f64 + 1.0), at(1, b as f64 + 1.0)],
+                        [0, 1].map(|k| spread[k] / f64::from(quads[k])),
+                        corners.map(|[i, j]| [at(0, i as f64), at(1, j as f64)]),
+                        &vertices,
+                    );
+                    let triangle = Triangle { cut: &cut, quad: &quad, coverage: &coverage, id };
+                    self.block(&triangle, coverage.pixels, 0..0, band);
                 }
             }
         }
         self.flush(&cut, meshlet.leaf, band);
-        if is_tested_alone(options) {
-            band.listed = Some(Vec::new());
-            outlines(meshlets, number, pens, options.fill, band);
-            let listed = band.listed.take().unwrap_or_default();
-            for (pixel, fragment) in listed {
-                let place = band.rows[0] as u32 * band.width as u32 + pixel;
-                let s = self.shader.interpolated(meshlet.leaf, fragment, place).map(f64::from);
-                self.counts.tested += 1;
-                if cut.tree.contains(cut.to_plane(s)) {
-                    band.spare_at(pixel, fragment);
-                } else {
-                    self.counts.rejected += 1;
-                }
+        band.listed = Some(Vec::new());
+        outlines(meshlets, number, pens, options.fill, band);
+        for (pixel, fragment) in band.listed.take().unwrap_or_default() {
+            if self.keeps_stroke(&cut, meshlet, pixel, fragment, band) {
+                band.spare_at(pixel, fragment);
             }
         }
     }
 
-    fn triangle(
-        &mut self,
-        cut: &Cut,
-        quad: &Quad,
-        coverage: &Coverage,
-        vertices: &[Vertex; 3],
-        id: u64,
-        band: &mut Band,
-    ) {
-        match cut.classify([0, 1].map(|k| quad.low[k] - quad.spread[k]), [0, 1].map(|k| quad.high[k] + quad.spread[k]))
-        {
-            Region::Outside => return,
-            Region::Inside => return coverage.draw(coverage.pixels, id, band),
-            Region::Boundary => {}
+    /// A fragment for the spare buffer. One that stays as it is shows its own parameters, so that these are tested; one
+    /// that only proposes a pixel is refused where nothing of the face is near.
+    fn keeps_stroke(&mut self, cut: &Cut, meshlet: &Meshlet, pixel: u32, fragment: u64, band: &Band) -> bool {
+        let Shader { options, meshlets, grids, .. } = *self.shader;
+        // Fill wants nothing that N hides.
+        if !is_nearer(fragment, band.near[pixel as usize]) {
+            return false;
         }
-        // Blocks from large to small, until one is decided or has few pixels.
-        let mut stack = vec![coverage.pixels];
-        while let Some(block) = stack.pop() {
-            let [(x0, x1), (y0, y1)] = block;
-            let side = (x1 - x0).max(y1 - y0) + 1;
-            if side <= LARGEST {
-                let (low, high) = quad.parameters(vertices, block);
-                match cut.classify(low, high) {
-                    Region::Outside => continue,
-                    Region::Inside => {
-                        coverage.draw(block, id, band);
-                        continue;
-                    }
-                    Region::Boundary => {}
+        // A fold has no parameters of its own.
+        if index_of(fragment) == FOLD {
+            return true;
+        }
+        let s = self.shader.interpolated(meshlet.leaf, fragment, pixel + band.rows[0] as u32 * band.width as u32);
+        let s = s.map(f64::from);
+        if is_tested_alone(options) {
+            let keeps = cut.tree.contains(cut.to_plane(s));
+            self.counts.tested += 1;
+            self.counts.rejected += u64::from(!keeps);
+            return keeps;
+        }
+        let Tessellation { quads, deviation: [deviation, _], .. } = grids[meshlet.leaf as usize];
+        let (Primitive::Edge(corners) | Primitive::Triangle(corners)) = primitive(meshlet, index_of(fragment));
+        let vertices = corners.map(|[i, j]| meshlets.vertices[meshlet.vertex(i, j)]);
+        // The pen's width, and as much again to what lies under the pixel's centre.
+        let spread = cut.spread(corners, &vertices, deviation);
+        let spread = [0, 1].map(|k| 2.0 * spread[k] / f64::from(quads[k]));
+        let near = [-1.0, 1.0].map(|sign| [0, 1].map(|k| s[k] + sign * spread[k]));
+        // Edge-on there is no telling.
+        !spread.iter().all(|s| s.is_finite()) || cut.classify(near[0], near[1]) != Region::Outside
+    }
+
+    /// Draws what no trim curve comes near to, and queues the rest: blocks of pixels from large to small, each with the
+    /// curves of the one before that meet it.
+    fn block(&mut self, triangle: &Triangle, block: [(i64, i64); 2], curves: Range<usize>, band: &mut Band) {
+        let Triangle { cut, quad, coverage, id } = *triangle;
+        if !coverage.meets(block) {
+            return;
+        }
+        let (low, high) = quad.parameters(block);
+        let within = cut.plane_box(low, high);
+        let start = self.curves.len();
+        if curves.is_empty() {
+            cut.tree.collect(&within, &mut self.curves);
+        } else {
+            for k in curves {
+                let curve = self.curves[k];
+                if cut.tree.meets(curve, &within) {
+                    self.curves.push(curve);
                 }
             }
-            if side <= SMALLEST {
-                coverage.each(block, id, band, |_, pixel, fragment| self.queue.push((pixel, fragment)));
-                continue;
+        }
+        let [(x0, x1), (y0, y1)] = block;
+        let near = start..self.curves.len();
+        let side = (x1 - x0).max(y1 - y0) + 1;
+        if near.is_empty() {
+            if cut.tree.contains(within.center()) {
+                coverage.draw(block, id, band);
             }
-            let [xs, ys] = [(x0, x1), (y0, y1)].map(halves);
-            for y in ys.into_iter().flatten() {
-                stack.extend(xs.into_iter().flatten().map(|x| [x, y]));
+        } else if side <= SMALL {
+            self.pixels(triangle, block, near, band);
+        } else if side > HIDEABLE || x1 - x0 != y1 - y0 || coverage.wins(block, id, band) {
+            let cut_in_two = |low: i64, high: i64| [(low, (low + high) / 2), ((low + high) / 2 + 1, high)];
+            let halves = if x1 - x0 >= y1 - y0 {
+                cut_in_two(x0, x1).map(|x| [x, (y0, y1)])
+            } else {
+                cut_in_two(y0, y1).map(|y| [(x0, x1), y])
+            };
+            for half in halves {
+                self.block(triangle, half, near.clone(), band);
             }
         }
+        self.curves.truncate(start);
+    }
+
+    /// The same for each pixel of a block that the triangle would win.
+    fn pixels(&mut self, triangle: &Triangle, block: [(i64, i64); 2], curves: Range<usize>, band: &mut Band) {
+        let Triangle { cut, quad, coverage, id, .. } = *triangle;
+        let (width, first) = (band.width as u32, i64::from(band.rows[0]));
+        // What the last pixel was: no curve between the two, and this one is the same.
+        let mut last: Option<(ParameterBox, bool)> = None;
+        coverage.each(block, id, band, |place, pixel, fragment| {
+            let (x, y) = (i64::from(pixel % width), i64::from(pixel / width) + first);
+            let (low, high) = quad.pixel(x, y);
+            let here = cut.plane_box(low, high);
+            let crossed =
+                |within: &ParameterBox| self.curves[curves.clone()].iter().any(|&curve| cut.tree.meets(curve, within));
+            let inside = match last.filter(|(there, _)| !crossed(&there.union(&here))) {
+                Some((_, inside)) => inside,
+                None if crossed(&here) => return self.queue.push((pixel, fragment)),
+                None => cut.tree.contains(here.center()),
+            };
+            last = Some((here, inside));
+            if inside {
+                *place = fragment;
+            }
+        });
     }
 
     /// Refines what is queued, tests it and draws what passes.
@@ -236,55 +301,11 @@ impl Trimmer<'_> {
     }
 }
 
-/// A range of pixels cut in two where it is longer than `SMALLEST`.
-fn halves((low, high): (i64, i64)) -> [Option<(i64, i64)>; 2] {
-    if high - low < SMALLEST {
-        return [Some((low, high)), None];
-    }
-    let middle = (low + high) / 2;
-    [Some((low, middle)), Some((middle + 1, high))]
-}
-
-/// A quad's rectangle of leaf parameters, as one of its triangles sees it.
-struct Quad {
-    low: [f64; 2],
-    high: [f64; 2],
-    /// What the parameters of fragments may be off by.
-    spread: [f64; 2],
-    /// Parameters of the triangle's corners.
-    corners: [[f64; 2]; 3],
-}
-
-impl Quad {
-    /// Box of the parameters of the triangle's fragments in a block of pixels, their errors included.
-    ///
-    /// The map from the screen to the parameters is projective: where its denominator is positive it takes the block's
-    /// hull into the hull of its corners' images.
-    fn parameters(&self, vertices: &[Vertex; 3], [xs, ys]: [(i64, i64); 2]) -> ([f64; 2], [f64; 2]) {
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        let [a, b, c] = vertices.map(|v| [f64::from(v.x), f64::from(v.y)]);
-        let cross =
-            |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
-        let area = cross(a, b, c);
-        let mut regular = area != 0.0;
-        for (x, y) in [(xs.0, ys.0), (xs.0, ys.1), (xs.1, ys.0), (xs.1, ys.1)] {
-            let p = [x, y].map(|c| (c as f64 + 0.5) * f64::from(SUBPIXELS));
-            let weights = [cross(b, c, p), cross(c, a, p), cross(a, b, p)];
-            let weights: [f64; 3] = std::array::from_fn(|k| weights[k] / area * f64::from(vertices[k].weight));
-            let sum = weights.iter().sum::<f64>();
-            regular &= sum > 0.0;
-            for k in 0..2 {
-                let value = (0..3).map(|n| weights[n] * self.corners[n][k]).sum::<f64>() / sum;
-                low[k] = low[k].min(value);
-                high[k] = high[k].max(value);
-            }
-        }
-        if !regular {
-            (low, high) = (self.low, self.high);
-        }
-        (
-            [0, 1].map(|k| low[k].max(self.low[k]) - self.spread[k]),
-            [0, 1].map(|k| high[k].min(self.high[k]) + self.spread[k]),
-        )
-    }
+/// A triangle that trim curves may cross.
+struct Triangle<'a> {
+    cut: &'a Cut<'a>,
+    quad: &'a Quad,
+    coverage: &'a Coverage,
+    /// Its word without depth.
+    id: u64,
 }

@@ -1,6 +1,7 @@
 //! Part of trim: a leaf in the plane of its face's loops, and whether a surface point belongs to the face.
 
 use super::cull::Leaf;
+use super::estimate::Tessellation;
 use super::evaluate::{Meshlet, SUBPIXELS, Vertex};
 use super::lens::Lens;
 use super::newton::{Batch, LANES, Surface};
@@ -10,7 +11,7 @@ use super::{Options, Trim};
 use crate::scene::{ParameterBox, Region, Scene, TrimTree};
 
 /// Pixels that a face reaches over its own gap at most, so that two faces close one of a pixel; larger ones are shown.
-const MAX_GAP: f64 = 0.5;
+pub(super) const MAX_GAP: f64 = 0.5;
 /// Pixels that refinement leaves (1/512), and the rounding of f32 parameters on top of `Leaf::rounding`.
 const REFINED: f64 = 1.0 / 512.0 + 1.0 / 1024.0;
 /// The surface's parameters change up to this many times as fast as its triangle's.
@@ -57,14 +58,19 @@ impl<'a> Cut<'a> {
         (gap * self.pixels_per_unit).min(MAX_GAP) + self.rounding
     }
 
-    /// Where a box of leaf parameters lies.
-    pub fn classify(&self, low: [f64; 2], high: [f64; 2]) -> Region {
-        self.tree.classify(&ParameterBox::around([self.to_plane(low), self.to_plane(high)]))
+    /// A box of leaf parameters in the plane.
+    pub fn plane_box(&self, low: [f64; 2], high: [f64; 2]) -> ParameterBox {
+        ParameterBox::around([self.to_plane(low), self.to_plane(high)])
     }
 
-    /// Quads that the parameters of a triangle's fragments may be off by.
-    pub fn spread(&self, corners: [[usize; 2]; 3], vertices: &[Vertex; 3], tolerance: f64) -> [f64; 2] {
-        let reach = (tolerance + self.margin(self.tree.gap())) * f64::from(SUBPIXELS) * BENT;
+    /// Where a box of leaf parameters lies.
+    pub fn classify(&self, low: [f64; 2], high: [f64; 2]) -> Region {
+        self.tree.classify(&self.plane_box(low, high))
+    }
+
+    /// Quads that the parameters of a triangle's fragments may be off by where its grid is off by `deviation` pixels.
+    pub fn spread(&self, corners: [[usize; 2]; 3], vertices: &[Vertex; 3], deviation: f32) -> [f64; 2] {
+        let reach = (f64::from(deviation) + self.margin(self.tree.gap())) * f64::from(SUBPIXELS) * BENT;
         quads_per_subpixel(corners, vertices).map(|e| e * reach)
     }
 }
@@ -109,13 +115,14 @@ fn quads_per_subpixel(corners: [[usize; 2]; 3], [a, b, c]: &[Vertex; 3]) -> [f64
 }
 
 /// Where a meshlet lies, its fragments' errors included.
-pub(super) fn region(cut: &Cut, tolerance: f64, quads: [u32; 2], meshlet: &Meshlet, vertices: &[Vertex]) -> Region {
+pub(super) fn region(cut: &Cut, grid: &Tessellation, meshlet: &Meshlet, vertices: &[Vertex]) -> Region {
+    let quads = grid.quads;
     let mut spread = [0.0f64; 2];
     let across = usize::from(meshlet.quads[1]) + 1;
     for a in 0..usize::from(meshlet.quads[0]) {
         for b in 0..usize::from(meshlet.quads[1]) {
             for corners in triangles(a, b, meshlet.diagonal) {
-                let here = cut.spread(corners, &corners.map(|[i, j]| vertices[i * across + j]), tolerance);
+                let here = cut.spread(corners, &corners.map(|[i, j]| vertices[i * across + j]), grid.deviation[0]);
                 // Triangles that are edge-on have no fragments.
                 if here.iter().all(|s| s.is_finite()) {
                     spread = [0, 1].map(|k| spread[k].max(here[k]));

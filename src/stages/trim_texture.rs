@@ -8,7 +8,7 @@ use super::cull::Leaf;
 use super::trim_cut::Cut;
 use glam::Vec4;
 
-/// Texels a side at most: what would need more is coarser than the tolerance.
+/// Texels a side at most, 8 MiB: what would need more is coarser than the tolerance, and counted.
 const LARGEST: usize = 8192;
 
 /// One leaf's texture over its unit square: a bit a texel, rows of constant v.
@@ -16,13 +16,16 @@ const LARGEST: usize = 8192;
 pub(super) struct Texture {
     size: [usize; 2],
     bits: Vec<u64>,
+    too_coarse: bool,
 }
 
 impl Texture {
     /// For a leaf with its projected net, `tolerance` in pixels.
     pub fn new(cut: &Cut, leaf: &Leaf, net: &[Vec4], perspective: bool, tolerance: f64) -> Self {
-        let size = sizes(leaf, net, perspective, tolerance);
-        let mut texture = Self { size, bits: vec![0; (size[0] * size[1]).div_ceil(64)] };
+        let needed = sizes(leaf, net, perspective, tolerance);
+        let size = needed.map(|side| side.min(LARGEST));
+        let too_coarse = size != needed;
+        let mut texture = Self { size, bits: vec![0; (size[0] * size[1]).div_ceil(64)], too_coarse };
         let texel = |u: f64| (cut.leaf_point([u, 0.0])[0] * size[0] as f64).clamp(0.0, size[0] as f64);
         let mut crossings = Vec::new();
         for row in 0..size[1] {
@@ -56,6 +59,11 @@ impl Texture {
         self.bits[index / 64] >> (index % 64) & 1 == 1
     }
 
+    /// It would need more than 8192 texels a side.
+    pub fn is_too_coarse(&self) -> bool {
+        self.too_coarse
+    }
+
     pub fn bytes(&self) -> usize {
         size_of_val(&self.bits[..])
     }
@@ -86,6 +94,6 @@ fn sizes(leaf: &Leaf, net: &[Vec4], perspective: bool, tolerance: f64) -> [usize
     }
     [(u, m), (v, n)].map(|(length, degree)| {
         let texels = length * degree as f64 * most / least / tolerance;
-        (texels.ceil().max(1.0) as usize).min(LARGEST)
+        texels.ceil().max(1.0) as usize
     })
 }

@@ -13,7 +13,7 @@ const PATCHES: u64 = 1500;
 const SLACK: f64 = 1e-9;
 
 fn patch(random: &mut Random, spread: f64) -> BezierPatch {
-    let degree = [(); 2].map(|()| 1 + random.below(7) as usize);
+    let degree = [(); 2].map(|()| 1 + random.below(7));
     // From a bumpy square to points anywhere.
     let [bump, lift] = [random.between(0.0, 0.6), random.between(0.0, 1.0)];
     let places = (0..=degree[0]).flat_map(|i| (0..=degree[1]).map(move |j| (i, j)));

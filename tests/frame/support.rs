@@ -1,37 +1,15 @@
 //! Scenes, cameras and random patches.
 
+#[path = "../support/random.rs"]
+mod random;
+
 use glam::{DVec2, DVec3};
 use halfpixel::geometry::BezierPatch;
 use halfpixel::import::builtin::builtin;
 use halfpixel::model::{Face, Model, Part, Solidity, Surface};
 use halfpixel::scene::{Camera, Scene, ViewSpec, prepare};
 use halfpixel::stages::{Frame, Options, Pixel, Renderer};
-
-/// SplitMix64 (Steele, Lea & Flood 2014).
-pub struct Random(pub u64);
-
-impl Random {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// In `0..count`.
-    pub fn below(&mut self, count: u64) -> u64 {
-        self.bits() % count
-    }
-
-    /// In [low, high).
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub fn point(&mut self, size: f64) -> DVec3 {
-        DVec3::from_array([(); 3].map(|()| self.between(-size, size)))
-    }
-}
+pub use random::Random;
 
 pub fn scene(name: &str) -> Scene {
     prepare(&builtin(name).expect(name), &|_, _| {}).expect(name)

@@ -1,9 +1,9 @@
-//! Second-derivative sets hold the second derivatives.
+//! The nets of second derivatives hold them.
 
 use crate::support::{Random, partial};
 use glam::DVec3;
 use halfpixel::geometry::BezierPatch;
-use halfpixel::geometry::bernstein::second_derivative_sets;
+use halfpixel::geometry::bernstein::second_derivatives as derivative_patches;
 use proptest::prelude::*;
 
 /// `S_uu`, `S_uv`, `S_vv` at (u, v) by the quotient rule on homogeneous derivatives, these in double-double.
@@ -21,9 +21,14 @@ fn second_derivatives(patch: &BezierPatch, u: f64, v: f64) -> [DVec3; 3] {
     ]
 }
 
+/// Control points of `S_uu`, `S_uv`, `S_vv`.
+fn second_derivative_sets(patch: &BezierPatch) -> [Vec<DVec3>; 3] {
+    derivative_patches(patch.net()).map(|derivative| derivative.net().hull().collect())
+}
+
 /// Every value within the hull: along axes, diagonals and random directions; a corner's value is in the set itself.
 fn check(patch: &BezierPatch, random: &mut Random) {
-    let sets = second_derivative_sets(patch.net());
+    let sets = second_derivative_sets(patch);
     let axes = [DVec3::X, DVec3::Y, DVec3::Z];
     let directions: Vec<DVec3> = axes.into_iter().chain((0..6).map(|_| random.vector())).collect();
     let spans: Vec<Vec<[f64; 2]>> = sets.iter().map(|set| directions.iter().map(|&d| span(set, d)).collect()).collect();
@@ -82,7 +87,7 @@ fn far_from_the_origin_the_sets_stay_the_same() {
     let near = random.patch([3, 2], 4.0);
     let mut far = near.clone();
     far.points_mut().iter_mut().for_each(|p| *p += (DVec3::splat(1048576.0) * p.w).extend(0.0));
-    let [near, far] = [near, far].map(|patch| second_derivative_sets(patch.net()));
+    let [near, far] = [near, far].map(|patch| second_derivative_sets(&patch));
     for (a, b) in near.iter().flatten().zip(far.iter().flatten()) {
         // The coordinates themselves were rounded to 1e-10 by the move; weights' ratio 16, degree² 9.
         assert!((*a - *b).length() < 1e-10 * 16f64.powi(3) * 9.0, "{a} {b}");
@@ -94,7 +99,7 @@ fn bound_a_quarter_cylinder_within_twice_the_truth() {
     use halfpixel::geometry::exact::{Frame, cylinder};
     let pieces = cylinder(&Frame::IDENTITY, 1.0, [[0.0, std::f64::consts::FRAC_PI_2], [0.0, 1.0]]);
     let patch = &pieces[0].patch;
-    let [uu, uv, vv] = second_derivative_sets(patch.net()).map(|s| s.iter().map(|p| p.length()).fold(0.0, f64::max));
+    let [uu, uv, vv] = second_derivative_sets(patch).map(|s| s.iter().map(|p| p.length()).fold(0.0, f64::max));
     let truth = (0..=100).map(|k| second_derivatives(patch, k as f64 / 100.0, 0.5)[0].length()).fold(0.0, f64::max);
     assert!((truth..2.0 * truth).contains(&uu), "{uu} {truth}");
     assert!(uv < 1e-14 && vv < 1e-14, "{uv} {vv}");

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod bad_data;
+mod charts;
 mod enclosures;
 mod exact_forms;
 mod nurbs;

@@ -1,39 +1,19 @@
 //! Random nets and double-double arithmetic.
 
+#[path = "../support/random.rs"]
+mod random;
+
 use glam::{DVec3, DVec4};
 use halfpixel::geometry::BezierPatch;
+pub use random::Random;
 use std::ops::{Add, Mul, Sub};
 
 /// Unit roundoff of f64.
 pub const ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
-/// SplitMix64 (Steele, Lea & Flood 2014).
-pub struct Random(pub u64);
-
 impl Random {
-    pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// In [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    /// In `0..count`.
-    pub fn below(&mut self, count: usize) -> usize {
-        (self.bits() % count as u64) as usize
-    }
-
     pub fn vector(&mut self) -> DVec3 {
-        DVec3::from_array([0; 3].map(|_| self.between(-1.0, 1.0)))
+        self.point(1.0)
     }
 
     /// Positions in [-1, 1]³, weights from 1 / `spread` to `spread`.

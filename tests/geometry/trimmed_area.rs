@@ -138,3 +138,40 @@ fn outlines_without_area_and_surfaces_without_patches() {
     assert_eq!(area(&[], &[line]), Estimate::default());
     assert_eq!(area(&[base], &[vec![]]).value, 0.0);
 }
+
+#[test]
+fn outlines_that_cross_each_other_or_themselves() {
+    let base = plane(&Frame::IDENTITY, [[-10.0, 10.0]; 2]);
+    let base = std::slice::from_ref(&base);
+    // Discs: what both share is outside.
+    for apart in [0.3, 1.0, 1.9] {
+        let (a, b) = (circle(DVec2::ZERO, 1.0), circle(DVec2::new(apart * 0.6, apart * 0.8), 1.0));
+        let lens = 2.0 * (0.5 * apart).acos() - 0.5 * apart * (4.0 - apart * apart).sqrt();
+        assert_area(area(base, &[a, b]), 2.0 * PI - 2.0 * lens, 1e-7);
+    }
+    // A pentagram runs twice around its middle, which is outside: five points of it are left.
+    let corner = |k: usize| DVec2::from_angle((2 * k) as f64 * 0.4 * PI) * 5.0;
+    let star: Vec<DVec2> = (0..5).map(corner).collect();
+    let (s, c) = (0.2 * PI).sin_cos();
+    let inner = 5.0 * (0.4 * PI).cos() / c;
+    let [whole, middle] = [10.0 * 5.0 * inner * s * 0.5, 2.5 * inner * inner * (0.4 * PI).sin()];
+    assert_area(area(base, &[polygon(&star)]), whole - middle, 1e-7);
+    // A bow tie whose two halves run against each other, and a hole across its knot.
+    let tie = polygon(&[DVec2::new(-2.0, -1.0), DVec2::new(2.0, 1.0), DVec2::new(2.0, -1.0), DVec2::new(-2.0, 1.0)]);
+    assert_area(area(base, std::slice::from_ref(&tie)), 4.0, 1e-7);
+    assert_area(area(base, &[tie, rectangle([[-1.0, 1.0], [-0.25, 0.25]])]), 4.0 + 1.0 - 2.0 * 0.75, 1e-7);
+}
+
+#[test]
+fn outlines_that_cross_on_a_curved_surface() {
+    let tube = cylinder(&Frame::IDENTITY, 2.0, [FULL, [0.0, 10.0]]);
+    // Rectangles of the tube: over quarter turns the plane's coordinate is the angle.
+    let quarter = FRAC_PI_2;
+    let loops = [
+        rectangle([[0.0, 3.0 * quarter], [1.0, 5.0]]),
+        rectangle([[quarter, 4.0 * quarter], [3.0, 9.0]]),
+        rectangle([[2.0 * quarter, 3.0 * quarter], [3.0, 5.0]]),
+    ];
+    let cells = 3.0 * 4.0 + 3.0 * 6.0 - 2.0 * (2.0 * 2.0) + 1.0 * 2.0;
+    assert_area(area(&tube, &loops), 2.0 * quarter * cells, 1e-7);
+}

@@ -56,6 +56,12 @@ class Step:
         self.instances = 1
         self.bounds = None
         self.tolerance = 1e-5
+        # Words that each warning holds, in their order; without them there is none.
+        self.warnings = []
+        # Faces that are hidden, and curves that no face has.
+        self.hidden, self.lone_curves = 0, 0
+        # No trim curve is an approximation.
+        self.exact = False
 
     def entity(self, text):
         self.records.append(text)
@@ -204,7 +210,8 @@ class Step:
         return {
             "note": self.note, "faces": unique * self.instances, "unique_faces": unique,
             "area": factor * sum(areas.values()), "relative_tolerance": self.tolerance,
-            "areas": areas, "bounds": self.bounds,
+            "areas": areas, "bounds": self.bounds, "warnings": self.warnings, "hidden": self.hidden,
+            "lone_curves": self.lone_curves, "exact": self.exact,
         }
 
 

@@ -5,7 +5,9 @@ mod support;
 
 mod assemblies;
 mod compose;
+mod hidden;
 mod mended;
+mod parts;
 mod real;
 mod syntax;
 mod units;

@@ -92,6 +92,21 @@ fn bad_splines_are_lost_by_name() {
     }
 }
 
+/// At a corner the offset jumps: no number of pieces follows it.
+#[test]
+fn an_offset_that_no_pieces_follow_is_lost_with_its_number() {
+    let text = one_box();
+    let line = text.lines().iter().find(|l| l.contains("=LINE(")).cloned().expect("a line");
+    let (id, _) = line.split_once('=').expect("a number");
+    let points = "#9001=CARTESIAN_POINT('',(0.,0.,0.));\n#9002=CARTESIAN_POINT('',(1.,0.,0.));\n\
+                  #9003=CARTESIAN_POINT('',(1.,1.,0.));\n#9004=DIRECTION('',(0.,0.,1.));\n";
+    let offset =
+        format!("{points}#9005=POLYLINE('',(#9001,#9002,#9003));\n{id}=OFFSET_CURVE_3D('',#9005,0.1,.F.,#9004);\n");
+    let found = model(&text.file().replace(&line, &offset));
+    assert_eq!((faces(&found).len(), found.lost.len()), (4, 2));
+    assert!(found.lost.iter().all(|l| l.message.contains("pieces don't follow")), "{:?}", found.lost);
+}
+
 #[test]
 fn a_mixture_of_everything() {
     let found = clean(&mixture().file());

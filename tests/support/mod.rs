@@ -1,6 +1,8 @@
 //! What several tests need.
 #![allow(dead_code)] // each test file uses its own part
 
+pub mod random;
+
 use std::path::PathBuf;
 
 /// A real model that is no part of this project, in $HALFPIXEL_MODELS or ../shared/models; says so where it is missing.

@@ -1,33 +1,10 @@
 //! Points and boxes against random rational loops; the second method sums angles over hulls.
 
+pub use crate::support::random::Random;
 use glam::{DVec2, DVec4};
 use halfpixel::geometry::BezierCurve;
 use halfpixel::model::{Loop, TrimCurve};
 use halfpixel::scene::{ParameterBox, Region, Trims};
-
-/// SplitMix64: the tests need numbers, not randomness.
-pub struct Random(pub u64);
-
-impl Random {
-    pub fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    pub fn below(&mut self, count: u64) -> usize {
-        (self.next() % count) as usize
-    }
-}
 
 pub fn curve(points: &[(DVec2, f64)]) -> TrimCurve {
     let points = points.iter().map(|&(p, w)| (p * w).extend(0.0).extend(w)).collect();
@@ -115,8 +92,8 @@ fn points_agree_with_winding_numbers() {
             let mut p = [random.between(-1.1, 1.1), random.between(-1.1, 1.1)];
             if k % 4 == 0 {
                 // At the height of an end, or next to a curve.
-                let curves = &loops[random.below(loops.len() as u64)].curves;
-                let curve = &curves[random.below(curves.len() as u64)].curve;
+                let curves = &loops[random.below(loops.len())].curves;
+                let curve = &curves[random.below(curves.len())].curve;
                 let q = curve.position(if k % 8 == 0 { 0.0 } else { random.unit() });
                 p = if k % 8 == 0 { [p[0], q.y] } else { [q.x + random.between(-1e-7, 1e-7), q.y] };
             }
@@ -277,4 +254,34 @@ fn a_turn_near_an_end_leaves_the_curve_what_it_is() {
             assert!(tree.contains([q.x, q.y - 1e-9]) && !tree.contains([q.x, q.y + 1e-9]), "{rise:e} {q}");
         }
     }
+}
+
+#[test]
+fn segments_are_handed_down_from_box_to_box() {
+    let mut random = Random(23);
+    let (mut some, mut none) = (0, 0);
+    for _ in 0..200 {
+        let corners: Vec<[f64; 2]> = (0..3 + random.below(20)).map(|_| [random.unit(), random.unit()]).collect();
+        let mut trims = Trims::default();
+        let number = trims.add(&[polygon(&corners)]);
+        let tree = trims.tree(number);
+        for _ in 0..20 {
+            let mut point = || [random.between(-0.2, 1.2), random.between(-0.2, 1.2)];
+            let outer = ParameterBox::around([point(), point()]);
+            let inside = |t: f64, k: usize| outer.low[k] + (outer.high[k] - outer.low[k]) * t;
+            let (a, b) = ([random.unit(), random.unit()], [random.unit(), random.unit()]);
+            let inner = ParameterBox::around([a, b].map(|p| [0, 1].map(|k| inside(p[k], k))));
+            let (mut of_outer, mut of_inner) = (vec![u32::MAX], Vec::new());
+            tree.collect(&outer, &mut of_outer);
+            tree.collect(&inner, &mut of_inner);
+            // What was in the list stays, and everything else is there once.
+            assert_eq!(of_outer.remove(0), u32::MAX);
+            assert!(of_outer.is_sorted_by(|a, b| a < b));
+            of_outer.retain(|&s| tree.meets(s, &inner));
+            assert_eq!(of_outer, of_inner);
+            assert_eq!(of_inner.is_empty(), tree.classify(&inner) != Region::Boundary);
+            if of_inner.is_empty() { none += 1 } else { some += 1 }
+        }
+    }
+    assert!(some > 500 && none > 500, "{some} {none}");
 }

@@ -54,6 +54,15 @@ impl Chart {
         self.error
     }
 
+    /// Points of a B-spline surface that were taken for the nearest ones without proof: the search for nearer ones had
+    /// looked at enough of it. How far they are off is for the caller to measure.
+    pub fn unproved(&self) -> usize {
+        match &self.search {
+            Search::Net(search) => search.open(),
+            Search::Closed | Search::Profile(_) => 0,
+        }
+    }
+
     /// The parameters' periods where the surface closes.
     pub fn periods(&self) -> [Option<f64>; 2] {
         self.periods

@@ -4,12 +4,14 @@ use super::chart::{local, wrap, wrap_axis};
 use super::{CurveSpan, SurfaceForm};
 use crate::geometry::{BezierPatch, NurbsSurface, PatchPiece, exact::Frame};
 use glam::{DVec2, DVec3};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering as AtomicOrdering};
 use std::{cmp::Ordering, collections::BinaryHeap, f64::consts::TAU};
 
 /// Gauss-Newton takes 4 or 5 steps from a good start; more than this is a start in the wrong place.
 const MAX_STEPS: usize = 40;
 
-/// Boxes that branch and bound looks into before it is content with what it has.
+/// Boxes that branch and bound looks into before it is content with what it has, which [`NetSearch::open`] counts.
 const MAX_BOXES: usize = 500;
 
 /// Nearest points of a NURBS surface.
@@ -19,6 +21,7 @@ pub(super) struct NetSearch {
     periods: [Option<f64>; 2],
     pieces: Vec<PatchPiece>,
     boxes: Vec<[DVec3; 2]>,
+    open: Arc<AtomicUsize>,
 }
 
 /// A parameter rectangle whose points are all at least `distance` away.
@@ -54,6 +57,13 @@ fn box_distance([low, high]: [DVec3; 2], point: DVec3) -> f64 {
     (point - point.clamp(low, high)).length()
 }
 
+/// How far the hull is at least, along the direction from it to the point: of a small patch that leans much nearer to
+/// the truth than its box.
+fn slab_distance(patch: &BezierPatch, point: DVec3) -> f64 {
+    let Some(toward) = (point - patch.net().position(0.5, 0.5)).try_normalize() else { return 0.0 };
+    patch.net().hull().map(|p| toward.dot(point - p)).fold(f64::INFINITY, f64::min)
+}
+
 fn hull_box(patch: &BezierPatch) -> [DVec3; 2] {
     let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
     for p in patch.net().hull() {
@@ -66,7 +76,12 @@ impl NetSearch {
     pub fn new(surface: &NurbsSurface, periods: [Option<f64>; 2]) -> Self {
         let pieces = surface.bezier_pieces();
         let boxes = pieces.iter().map(|piece| hull_box(&piece.patch)).collect();
-        Self { surface: surface.clone(), periods, pieces, boxes }
+        Self { surface: surface.clone(), periods, pieces, boxes, open: Arc::default() }
+    }
+
+    /// Searches that ended without knowing that nothing is nearer.
+    pub fn open(&self) -> usize {
+        self.open.load(AtomicOrdering::Relaxed)
     }
 
     pub fn pieces(&self) -> &[PatchPiece] {
@@ -92,6 +107,7 @@ impl NetSearch {
         let mut uv = wrap(start, domain, self.periods);
         let mut at = self.surface.surface_point(uv.x, uv.y);
         let mut damping = 0.0;
+        let mut moved_before = 0.0;
         for _ in 0..MAX_STEPS {
             let offset = point - at.position;
             let gradient = DVec2::new(at.du.dot(offset), at.dv.dot(offset));
@@ -105,15 +121,21 @@ impl NetSearch {
             let target = wrap(uv + step.clamp(-0.3 * extent, 0.3 * extent), domain, self.periods);
             let next = self.surface.surface_point(target.x, target.y);
             let (before, after) = (offset.length_squared(), next.position.distance_squared(point));
-            let moved = (at.du * step.x + at.dv * step.y).length_squared();
+            let moved = (at.du * step.x + at.dv * step.y).length();
+            // Steps shrink at least as fast as they did: by a constant factor off the surface, quadratically on it.
+            let mut next_move = f64::INFINITY;
             if after <= before * (1.0 + 1e-14) {
                 (uv, at) = (target, next);
+                if damping == 0.0 {
+                    next_move = moved * (moved / moved_before);
+                }
                 damping = if damping < 1e-3 { 0.0 } else { damping * 0.1 };
             } else {
                 damping = if damping == 0.0 { 1e-3 } else { damping * 10.0 };
             }
+            moved_before = moved;
             let scale = at.position.abs().max_element() + (at.du * extent.x).length() + (at.dv * extent.y).length();
-            if moved.sqrt() <= 2e-15 * scale || damping > 1e9 {
+            if moved.min(next_move) <= 2e-15 * scale || damping > 1e9 {
                 break;
             }
         }
@@ -130,9 +152,13 @@ impl NetSearch {
             let distance = box_distance(*bounds, point);
             heap.push(Candidate { distance, patch: None, piece, domain: self.pieces[piece].domain });
         }
-        for _ in 0..MAX_BOXES {
+        for looked in 0.. {
             let Some(candidate) = heap.pop() else { break };
             if candidate.distance >= best.1 * 0.999 || best.1 <= accept {
+                break;
+            }
+            if looked == MAX_BOXES {
+                self.open.fetch_add(1, AtomicOrdering::Relaxed);
                 break;
             }
             let found = self.descend(point, middle(candidate.domain));
@@ -150,7 +176,7 @@ impl NetSearch {
             for (half, patch) in patch.net().split(axis, 0.5).into_iter().enumerate() {
                 let mut part = candidate.domain;
                 part[axis][1 - half] = 0.5 * (part[axis][0] + part[axis][1]);
-                let distance = box_distance(hull_box(&patch), point);
+                let distance = box_distance(hull_box(&patch), point).max(slab_distance(&patch, point));
                 if distance < best.1 {
                     heap.push(Candidate { distance, patch: Some(patch), piece: candidate.piece, domain: part });
                 }

@@ -3,18 +3,22 @@
 use super::cover::Rectangle;
 use super::ring::Ring;
 use super::trace::{Path, Shape, Source};
+use super::{BrepError, MAX_CUTS, MAX_TURNS};
 use crate::geometry::Chart;
 use glam::DVec2;
-
-/// Copies of a loop on either side of the window, and cuts of a path, at most.
-const MAX_COPIES: i32 = 100;
-const MAX_CUTS: usize = 1000;
 
 /// The part in `window` of all copies of all rings, by whole periods.
 ///
 /// Counted odd and even, a loop's copies together bound the same part of the closed surface as the loop does, wherever
 /// they are cut: what is inside two copies is inside none, and lines that were added to close a loop cancel.
-pub(super) fn windowed<'a>(chart: &Chart, rings: Vec<Ring<'a>>, window: &Rectangle) -> Vec<Ring<'a>> {
+///
+/// # Errors
+/// Where an edge runs to and fro across the window's border without end.
+pub(super) fn windowed<'a>(
+    chart: &Chart,
+    rings: Vec<Ring<'a>>,
+    window: &Rectangle,
+) -> Result<Vec<Ring<'a>>, BrepError> {
     let mut inside = Vec::new();
     for ring in rings {
         let [low, high] = ring.reach();
@@ -22,7 +26,8 @@ pub(super) fn windowed<'a>(chart: &Chart, rings: Vec<Ring<'a>>, window: &Rectang
             Some(period) => {
                 let first = ((window[axis][0] - high[axis]) / period).ceil();
                 let last = ((window[axis][1] - low[axis]) / period).floor();
-                [first, last].map(|k| k.clamp(f64::from(-MAX_COPIES), f64::from(MAX_COPIES)) as i32)
+                // Rings were not farther off, and closing them moves them by a few periods.
+                [first, last].map(|k| k.clamp(-2.0 * MAX_TURNS, 2.0 * MAX_TURNS) as i32)
             }
             None => [0, 0],
         });
@@ -32,24 +37,24 @@ pub(super) fn windowed<'a>(chart: &Chart, rings: Vec<Ring<'a>>, window: &Rectang
                 let steps = [i, j].map(f64::from);
                 let by = [0, 1].map(|axis| steps[axis] * chart.periods()[axis].unwrap_or(0.0));
                 copy.shift(DVec2::from(by));
-                inside.extend(clipped(chart, copy, window));
+                inside.extend(clipped(chart, copy, window)?);
             }
         }
     }
-    inside
+    Ok(inside)
 }
 
 /// The part of a ring in `window`, along the axes with a period.
-fn clipped<'a>(chart: &Chart, mut ring: Ring<'a>, window: &Rectangle) -> Option<Ring<'a>> {
+fn clipped<'a>(chart: &Chart, mut ring: Ring<'a>, window: &Rectangle) -> Result<Option<Ring<'a>>, BrepError> {
     for (axis, borders) in window.iter().enumerate() {
         let Some(period) = chart.periods()[axis] else { continue };
         for (at, side) in borders.iter().zip([1.0, -1.0]) {
             let border = Border { axis, at: *at, tolerance: 1e-10 * period };
-            ring.paths = border.half(chart, ring.paths, side);
+            ring.paths = border.half(chart, ring.paths, side)?;
         }
     }
     let runs = ring.paths.iter().any(|path| path.source.is_some() || path.start != path.end);
-    (runs && ring.area() != 0.0).then_some(ring)
+    Ok((runs && ring.bounds_something()).then_some(ring))
 }
 
 /// A line of constant parameter.
@@ -69,14 +74,15 @@ impl Border {
 
     /// The parts of a closed ring on the side of `sign` and on the border itself; the ways between them run along the
     /// border (Sutherland and Hodgman, "Reentrant polygon clipping", CACM 17, 1974).
-    fn half<'a>(&self, chart: &Chart, paths: Vec<Path<'a>>, sign: f64) -> Vec<Path<'a>> {
+    fn half<'a>(&self, chart: &Chart, paths: Vec<Path<'a>>, sign: f64) -> Result<Vec<Path<'a>>, BrepError> {
         let mut kept: Vec<Path> = Vec::with_capacity(paths.len());
         let mut left_out = false;
         for mut rest in paths {
             let mut parts = Vec::new();
-            while parts.len() < MAX_CUTS
-                && let Some([before, after]) = self.cut(chart, &rest)
-            {
+            while let Some([before, after]) = self.cut(chart, &rest) {
+                if parts.len() >= MAX_CUTS {
+                    return Err(BrepError::Cuts);
+                }
                 parts.push(before);
                 rest = after;
             }
@@ -99,7 +105,7 @@ impl Border {
         {
             kept.push(Path::bridge(last.end, first.start));
         }
-        kept
+        Ok(kept)
     }
 
     /// How far the path goes off the border, signed; 0 where it stays on it.

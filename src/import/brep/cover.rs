@@ -1,10 +1,10 @@
 //! Rings that wind are closed along a seam; rings that don't are brought into one window of the cover.
 
-use super::BrepError;
 use super::bands::{Closed, close_winding};
 use super::clip::windowed;
 use super::ring::Ring;
 use super::trace::Path;
+use super::{BrepError, MAX_TURNS};
 use crate::geometry::Chart;
 use glam::DVec2;
 
@@ -19,10 +19,7 @@ pub(super) fn closed_rings<'a>(
 ) -> Result<Vec<Ring<'a>>, BrepError> {
     let (winding, mut holes): (Vec<_>, Vec<_>) = rings.into_iter().partition(|ring| ring.winding != [0, 0]);
     // A seam walked both ways and nothing else bounds nothing.
-    holes.retain(|ring| {
-        let [low, high] = ring.bounds();
-        ring.area().abs() > 1e-12 * (high - low).element_product() && ring.area() != 0.0
-    });
+    holes.retain(Ring::bounds_something);
     let mut closed = if winding.is_empty() {
         let Some(largest) = largest(&holes) else { return Ok(Vec::new()) };
         if holes[largest].area() < 0.0 && is_closed(chart) {
@@ -47,7 +44,7 @@ pub(super) fn closed_rings<'a>(
         let low = closed.corner[axis];
         chart.periods()[axis].map_or([f64::NEG_INFINITY, f64::INFINITY], |period| [low, low + period])
     });
-    Ok(windowed(chart, closed.rings, &window))
+    windowed(chart, closed.rings, &window)
 }
 
 /// Whether the ring leaves a window of a whole period that `outer` makes.
@@ -131,9 +128,6 @@ fn rectangle<'a>(&[[u0, u1], [v0, v1]]: &Rectangle) -> Ring<'a> {
     Ring { paths, ..Ring::default() }
 }
 
-/// Whole periods that a ring is tried at on either side, at most.
-const MAX_STEPS: f64 = 100.0;
-
 /// Moves `hole` by whole periods to where it lies inside one of the `outer` rings, or overlaps one most.
 fn into_window(chart: &Chart, hole: &mut Ring, outer: &[Ring]) {
     let [low, high] = hole.bounds();
@@ -144,7 +138,7 @@ fn into_window(chart: &Chart, hole: &mut Ring, outer: &[Ring]) {
         let near = chart.shifted(center, 0.5 * (window[0] + window[1])) - center;
         let steps = [0, 1].map(|axis| match chart.periods()[axis] {
             Some(period) => {
-                (period, (0.5 * (window[1] - window[0])[axis] / period).ceil().clamp(1.0, MAX_STEPS) as i32)
+                (period, (0.5 * (window[1] - window[0])[axis] / period).ceil().clamp(1.0, MAX_TURNS) as i32)
             }
             None => (0.0, 0),
         });

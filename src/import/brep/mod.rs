@@ -6,14 +6,16 @@ mod bands;
 mod clip;
 mod cover;
 mod fit;
+mod flat;
 mod pcurve;
 mod ring;
+mod section;
 #[cfg(test)]
 mod tests;
 mod trace;
 
 use crate::geometry::{Chart, CurveForm, CurveSpan, GeometryError, SurfaceForm};
-use crate::model::{Face, Loop, SurfaceKind, TrimCurve};
+use crate::model::{Face, Loop, Surface, SurfaceKind, TrimCurve};
 use cover::{Rectangle, closed_rings, whole_about};
 use fit::Fitter;
 use glam::{DVec2, DVec3};
@@ -79,7 +81,16 @@ pub(crate) enum BrepError {
     Winding { u: i32, v: i32 },
     #[error("a loop that winds around the surface has no partner to bound the face with")]
     NoPartner,
+    #[error("a loop goes more than {MAX_TURNS} times around the surface")]
+    Turns,
+    #[error("a seam crosses an edge more than {MAX_CUTS} times")]
+    Cuts,
 }
+
+/// Periods that a loop may lie from where the surface begins: copies of patches and loops are made for each.
+const MAX_TURNS: f64 = 100.0;
+/// Cuts of one part of an edge.
+const MAX_CUTS: usize = 1000;
 
 /// Lengths that decide, in space.
 #[derive(Clone, Copy, Debug)]
@@ -153,6 +164,9 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
             rings.extend(Ring::new(&chart, &scale, edges));
         }
     }
+    if rings.iter().any(|ring| is_far(&chart, ring)) {
+        return Err(BrepError::Turns);
+    }
     let mut rings = closed_rings(&chart, rings, &mut warnings)?;
     rings.iter_mut().for_each(|ring| ring.join(&chart, &scale));
     let area = match area(&chart, &rings) {
@@ -162,16 +176,17 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
     if !area.iter().flatten().all(|t| t.is_finite()) {
         return Err(BrepError::Unbounded);
     }
-    let surface = chart.patches(area)?.into();
-    let mut fitter = Fitter { chart: &chart, axes: chart.axes(area), scale: &scale, worst: 0.0, first: 0 };
+    let surface: Surface = chart.patches(area)?.into();
+    let mut fitter = Fitter::new(&chart, area, &surface.patches, &scale);
     let loops = rings.iter().map(|ring| {
         let mut curves = Vec::with_capacity(ring.paths.len());
         ring.paths.iter().for_each(|path| fitter.curves(path, &mut curves));
         Loop { curves }
     });
     let loops: Vec<Loop> = loops.filter(|l| !l.curves.is_empty()).collect();
+    let Fitter { worst, approximation, .. } = fitter;
     // A fit as near as was asked for needs no mention, however fine the file's tolerance is.
-    let fit = Some(fitter.worst).filter(|&worst| worst > scale.fine);
+    let fit = Some(worst).filter(|&worst| worst > scale.fine);
     note_gaps(source, &chart, &rings, &loops, fit, &mut warnings);
     let loops = if is_whole(&loops, area, scale.straight) { Vec::new() } else { loops };
     let FaceSource { id, name, color, kind, reversed, .. } = source;
@@ -183,8 +198,22 @@ pub(crate) fn build_face(source: &FaceSource) -> Result<Built, BrepError> {
         surface,
         loops: loops.into(),
         reversed: *reversed,
+        approximation,
     };
     Ok(Built { face, warnings })
+}
+
+/// Whether a ring lies too many periods from the surface's own domain.
+fn is_far(chart: &Chart, ring: &Ring) -> bool {
+    let [low, high] = ring.bounds();
+    let limits = chart.form().limits();
+    (0..2).any(|axis| {
+        let Some(period) = chart.periods()[axis] else { return false };
+        let start = if limits[axis][0].is_finite() { limits[axis][0] } else { 0.0 };
+        let turns = [low[axis], high[axis]].map(|t| ((t - start) / period).abs());
+        // Also true for what is no number.
+        !turns.iter().all(|&turns| turns < MAX_TURNS)
+    })
 }
 
 /// Edges that name themselves in a warning; the rest are counted.
@@ -202,6 +231,10 @@ fn note_gaps(
     let tolerance = source.tolerance;
     if let Some(error) = chart.error() {
         warnings.push(format!("the offset surface is fitted to within {error:.2e} mm"));
+    }
+    if chart.unproved() > 0 {
+        let count = chart.unproved();
+        warnings.push(format!("{count} points of edges may have nearer ones on the surface: the search ended first"));
     }
     let bridged = rings.iter().map(|ring| ring.bridged).fold(0.0, f64::max);
     if bridged > tolerance {

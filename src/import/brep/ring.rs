@@ -142,6 +142,29 @@ impl<'a> Ring<'a> {
         0.5 * twice
     }
 
+    /// Whether some place lies inside the polygon through the samples, by the odd-even rule and beyond rounding: none in a
+    /// seam walked there and back, but in two lobes that run against each other.
+    pub fn bounds_something(&self) -> bool {
+        let [low, high] = self.bounds();
+        let size = high - low;
+        if self.area().abs() > 1e-12 * size.element_product() && self.area() != 0.0 {
+            return true;
+        }
+        let Some(start) = self.paths.last().map(|path| path.end) else { return false };
+        [0.17, 0.41, 0.73].into_iter().any(|part| {
+            let v = low.y + part * size.y;
+            let (mut a, mut across) = (start, Vec::new());
+            for b in self.points() {
+                if (a.y > v) != (b.y > v) {
+                    across.push(a.x + (b.x - a.x) * (v - a.y) / (b.y - a.y));
+                }
+                a = b;
+            }
+            across.sort_by(f64::total_cmp);
+            across.chunks_exact(2).map(|span| span[1] - span[0]).sum::<f64>() > 1e-6 * size.x
+        })
+    }
+
     pub fn shift(&mut self, by: DVec2) {
         self.paths.iter_mut().for_each(|path| path.shift(by));
     }

@@ -1,8 +1,9 @@
 //! Edges in the surface's own parameters.
 
+use super::flat::Flat;
 use super::pcurve::file_image;
 use super::{EdgeUse, Scale};
-use crate::geometry::{BezierCurve, Chart, CurveForm, CurveSpan, Pole, SurfaceForm, exact::Frame};
+use crate::geometry::{BezierCurve, Chart, CurveForm, CurveSpan, Pole, SurfaceForm};
 use glam::{DVec2, DVec3, DVec4};
 
 /// Halvings of a parameter interval in which a periodic parameter seems to jump: enough to meet a pole.
@@ -137,14 +138,15 @@ pub(super) fn trace_edge<'a>(chart: &Chart, scale: &Scale, edge: &'a EdgeUse, ne
     if let Some(paths) = file_image(chart, scale, edge, near) {
         return paths;
     }
+    let flat = Flat::of(chart.form());
     let mut paths = Vec::new();
     let mut near = near;
     for span in &edge.spans {
         if span.range[0] == span.range[1] {
             continue;
         }
-        if let SurfaceForm::Plane(frame) = chart.form() {
-            plane_paths(frame, scale, edge.edge, span, &mut paths);
+        if let Some(flat) = &flat {
+            flat.paths(scale, edge.edge, span, &mut paths);
             continue;
         }
         let tracer = Tracer { chart, scale, edge: edge.edge, span };
@@ -152,34 +154,6 @@ pub(super) fn trace_edge<'a>(chart: &Chart, scale: &Scale, edge: &'a EdgeUse, ne
         near = paths.last().filter(|path: &&Path| path.poles[1].is_none()).map(|path| path.end).or(near);
     }
     paths
-}
-
-/// On a plane the image is affine, hence exact.
-fn plane_paths<'a>(frame: &Frame, scale: &Scale, edge: u32, span: &'a CurveSpan, paths: &mut Vec<Path<'a>>) {
-    let flat = |p: DVec4| {
-        let q = p.truncate() - frame.origin * p.w;
-        DVec4::new(q.dot(frame.x), q.dot(frame.y), 0.0, p.w)
-    };
-    if matches!(span.curve, CurveForm::Line { .. }) {
-        let [mut start, mut end] = span.ends().map(|p| flat(p.extend(1.0)).truncate().truncate());
-        for axis in 0..2 {
-            let middle = 0.5 * (start[axis] + end[axis]);
-            if (end[axis] - start[axis]).abs() <= scale.straight {
-                (start[axis], end[axis]) = (middle, middle);
-            }
-        }
-        let source = Some(Source { edge, span, range: span.range });
-        paths.push(Path { start, end, shape: Shape::Straight, source, poles: [None, None] });
-        return;
-    }
-    for piece in span.pieces() {
-        let mut points: Vec<DVec4> = piece.curve.points().iter().map(|&p| flat(p)).collect();
-        standard(&mut points);
-        let [start, end] = [points[0], points[points.len() - 1]].map(|p| p.truncate().truncate());
-        let shape = Shape::Exact(BezierCurve::from_points(points));
-        let source = Some(Source { edge, span, range: piece.domain });
-        paths.push(Path { start, end, shape, source, poles: [None, None] });
-    }
 }
 
 /// A sample of an edge: its parameter, where it lies on the surface, and the pole it lies on.

@@ -27,7 +27,7 @@ pub fn table() -> Model {
     let parts: Vec<Part> = names().iter().filter(|name| is_small(name)).filter_map(|name| part_of(name)).collect();
     let instance = |(k, part): (usize, &Part)| {
         let transform = DAffine3::from_translation(DVec3::new(1.5 * (k % 6) as f64, 1.5 * (k / 6) as f64, 0.0));
-        Instance { part: k, transform, name: part.name.clone(), color: None }
+        Instance { part: k, transform, name: part.name.clone(), ..Instance::default() }
     };
     let instances = parts.iter().enumerate().map(instance).collect();
     Model { name: "stress".into(), parts, instances, ..Model::default() }

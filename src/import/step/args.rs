@@ -1,8 +1,9 @@
 //! Parameters of an entity, read from the text one after the other. The text was checked by the scanner; what still
 //! doesn't fit is an error, never a panic.
 
+use super::cursor::{Cursor, number_length};
 use super::error::StepError;
-use super::scan::{Cursor, number_length};
+use super::number::real;
 
 /// A list of parameters, from the first that has not been taken.
 #[derive(Clone)]
@@ -32,11 +33,16 @@ pub(super) enum Value<'a> {
 }
 
 impl<'a> Args<'a> {
+    /// The list whose parenthesis is at `at`.
+    pub fn inside(text: &'a [u8], at: usize, entity: u32) -> Self {
+        Self { text, at: at + 1, index: 1, entity }
+    }
+
     /// The list that opens at or behind `at` with a parenthesis.
     pub fn open(text: &'a [u8], at: usize, entity: u32) -> Option<Self> {
         let mut cursor = Cursor { text, at };
         cursor.blank().ok()?;
-        (cursor.peek() == Some(b'(')).then(|| Self { text, at: cursor.at + 1, index: 1, entity })
+        (cursor.peek() == Some(b'(')).then(|| Self::inside(text, cursor.at, entity))
     }
 
     /// Offset behind this list, of which nothing has been taken.
@@ -56,20 +62,7 @@ impl<'a> Args<'a> {
     }
 
     pub fn number(&mut self) -> Result<f64, StepError> {
-        let value = self.next();
-        self.number_of(value)
-    }
-
-    /// A number, bare or as a typed value such as `LENGTH_MEASURE(25.4)`.
-    fn number_of(&self, value: Option<Value>) -> Result<f64, StepError> {
-        let number = match value {
-            Some(Value::Number(text)) => real(text),
-            Some(Value::Typed(mut inner)) => match inner.next() {
-                Some(Value::Number(text)) => real(text),
-                _ => None,
-            },
-            _ => None,
-        };
+        let number = self.next().and_then(number_of);
         number.map_or_else(|| self.bad("a finite number"), Ok)
     }
 
@@ -77,7 +70,7 @@ impl<'a> Args<'a> {
     pub fn optional_number(&mut self) -> Result<Option<f64>, StepError> {
         match self.next() {
             None | Some(Value::Absent) => Ok(None),
-            value => self.number_of(value).map(Some),
+            Some(value) => number_of(value).map_or_else(|| self.bad("a finite number"), |number| Ok(Some(number))),
         }
     }
 
@@ -114,24 +107,45 @@ impl<'a> Args<'a> {
     }
 
     pub fn references(&mut self) -> Result<Vec<u32>, StepError> {
-        let list = self.list()?;
-        let mut ids = Vec::new();
-        for value in list {
-            match value {
-                Value::Reference(id) => ids.push(id),
-                _ => return self.bad("a list of references"),
-            }
-        }
-        Ok(ids)
+        let reference = |value| if let Value::Reference(id) = value { Some(id) } else { None };
+        self.listed(reference)?.map_or_else(|| self.bad("a list of references"), Ok)
     }
 
     pub fn numbers(&mut self) -> Result<Vec<f64>, StepError> {
-        let list = self.list()?;
-        let mut numbers = Vec::new();
-        for value in list {
-            numbers.push(self.number_of(Some(value))?);
+        self.listed(number_of)?.map_or_else(|| self.bad("a finite number"), Ok)
+    }
+
+    /// What `take` makes of all values of the list that comes next; `None` where it makes nothing of one. Unlike
+    /// [`Args::list`] it passes over the list's text only once.
+    fn listed<T>(&mut self, take: impl Fn(Value<'a>) -> Option<T>) -> Result<Option<Vec<T>>, StepError> {
+        let mut cursor = Cursor { text: self.text, at: self.at };
+        let is_list = cursor.blank().is_ok() && cursor.peek() == Some(b'(');
+        let mut list = Self::inside(self.text, cursor.at, self.entity);
+        let mut values = Vec::new();
+        let complete = is_list
+            && loop {
+                match list.next().map(&take) {
+                    Some(Some(value)) => values.push(value),
+                    Some(None) => break false,
+                    None => break self.text.get(list.at) == Some(&b')'),
+                }
+            };
+        if !complete {
+            self.next();
+            return if is_list { Ok(None) } else { self.bad("a list") };
         }
-        Ok(numbers)
+        self.index += 1;
+        self.at = list.at + 1;
+        self.pass_comma();
+        Ok(Some(values))
+    }
+
+    fn pass_comma(&mut self) -> Option<()> {
+        let mut cursor = Cursor { text: self.text, at: self.at };
+        cursor.blank().ok()?;
+        // A comma leads to the next value; the closing parenthesis stays for the next call.
+        self.at = cursor.at + usize::from(cursor.peek() == Some(b','));
+        Some(())
     }
 
     /// `.T.` or `.F.`
@@ -208,10 +222,8 @@ impl<'a> Iterator for Args<'a> {
                 Value::Typed(inner(open + 1))
             }
         };
-        cursor.blank().ok()?;
-        // A comma leads to the next value; the closing parenthesis stays for the next call.
-        cursor.at += usize::from(cursor.peek() == Some(b','));
         self.at = cursor.at;
+        self.pass_comma()?;
         Some(value)
     }
 }
@@ -239,9 +251,14 @@ fn list_end(text: &[u8], open: usize) -> Option<usize> {
     }
 }
 
-/// A finite number; Fortran's D stands for E in some files.
-fn real(text: &[u8]) -> Option<f64> {
-    let text = std::str::from_utf8(text).ok()?;
-    let number = text.parse::<f64>().or_else(|_| text.replace(['D', 'd'], "E").parse()).ok()?;
-    number.is_finite().then_some(number)
+/// A finite number, bare or as a typed value such as `LENGTH_MEASURE(25.4)`.
+fn number_of(value: Value) -> Option<f64> {
+    match value {
+        Value::Number(text) => real(text),
+        Value::Typed(mut inner) => match inner.next()? {
+            Value::Number(text) => real(text),
+            _ => None,
+        },
+        _ => None,
+    }
 }

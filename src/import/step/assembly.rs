@@ -13,8 +13,8 @@ use super::products::{Products, Usage};
 use super::styles::Styles;
 use super::units::Units;
 use crate::model::Warning;
+use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 use glam::DAffine3;
-use std::collections::{HashMap, HashSet};
 
 /// A representation with its items.
 pub(super) struct Representation {
@@ -29,8 +29,17 @@ pub(super) struct Node {
     /// Of the product definition, 0 without one.
     pub id: u32,
     pub name: String,
-    pub groups: Vec<(Units, Contents)>,
+    /// What each of its representations holds.
+    pub groups: Vec<NodePart>,
     pub children: Vec<Child>,
+}
+
+/// One representation of a node.
+pub(super) struct NodePart {
+    /// Of the representation, 0 without one.
+    pub id: u32,
+    pub units: Units,
+    pub contents: Contents,
 }
 
 /// A node in another's frame.
@@ -39,6 +48,9 @@ pub(super) struct Child {
     pub transform: DAffine3,
     pub name: String,
     pub color: Option<[f32; 3]>,
+    /// Of the component usage or the mapped item, 0 without one.
+    pub id: u32,
+    pub hidden: bool,
 }
 
 /// All nodes of a file.
@@ -46,6 +58,17 @@ pub(super) struct Assembly {
     pub nodes: Vec<Node>,
     pub warnings: Vec<Warning>,
     pub lost: Vec<Warning>,
+    /// Other numbers of product definitions: of their products, and of the products' versions.
+    pub aliases: Vec<[u32; 2]>,
+    /// Nodes whose shape stands in another file.
+    pub externals: Vec<External>,
+}
+
+/// A node's shape that stands in another file.
+pub(super) struct External {
+    pub node: usize,
+    pub definition: u32,
+    pub file: String,
 }
 
 /// What the assembly is built from.
@@ -161,16 +184,17 @@ impl<'f, 'a> Builder<'f, 'a> {
         let products = Products::new(self.file);
         let budget = 1000 + 16 * self.file.len();
         let mut nodes: Vec<Node> = self.representations.iter().map(|_| Node::default()).collect();
-        let mut walker = Walker { file: self.file, styles: self.styles, met: HashSet::new(), budget };
+        let (met, told) = (HashSet::new(), HashSet::new());
+        let mut walker = Walker { file: self.file, styles: self.styles, met, told, budget };
         let mut lost = Vec::new();
         // An item of two joined representations is there once.
         let mut seen: HashSet<(usize, u32)> = HashSet::new();
         for (k, representation) in self.representations.iter().enumerate() {
             let node = self.root(k);
-            let color = self.styles.item(representation.id);
+            let (color, hidden) = (self.styles.item(representation.id), self.styles.is_hidden(representation.id));
             let mut contents = Contents::default();
             for &item in representation.items.iter().filter(|&&item| seen.insert((node, item))) {
-                walker.item(item, color, &mut contents);
+                walker.item_of(item, color, hidden, &mut contents);
             }
             lost.append(&mut contents.lost);
             self.log.notes.borrow_mut().append(&mut contents.warnings);
@@ -180,7 +204,8 @@ impl<'f, 'a> Builder<'f, 'a> {
                     Err(error) => self.warn(mapped.item, error),
                 }
             }
-            nodes[node].groups.push((representation.units, contents));
+            let Representation { id, units, .. } = *representation;
+            nodes[node].groups.push(NodePart { id, units, contents });
             if let Some(name) = products.name(representation.id) {
                 nodes[node].name = name.to_owned();
             }
@@ -189,9 +214,10 @@ impl<'f, 'a> Builder<'f, 'a> {
             }
         }
         self.place_usages(&products, &mut nodes);
+        let externals = self.externals(&products, &nodes);
         let orphans = self.orphans(&mut walker, &mut lost);
         nodes.extend(orphans);
-        Assembly { nodes, warnings: self.log.notes.take(), lost }
+        Assembly { nodes, warnings: self.log.notes.take(), lost, aliases: products.aliases(), externals }
     }
 
     fn mapped(&self, mapped: &super::items::Mapped, parent: &Representation) -> Result<Child, StepError> {
@@ -202,7 +228,8 @@ impl<'f, 'a> Builder<'f, 'a> {
         let target = self.shapes(parent.units).map(mapped.target)?;
         let color = self.styles.item(mapped.item);
         let transform = target * origin.inverse();
-        Ok(Child { node: self.root(index), transform, name: mapped.name.clone(), color })
+        let (node, name) = (self.root(index), mapped.name.clone());
+        Ok(Child { node, transform, name, color, id: mapped.item, hidden: mapped.hidden })
     }
 
     /// Children by transformations between representations, and usages that have none.
@@ -230,10 +257,29 @@ impl<'f, 'a> Builder<'f, 'a> {
             let [Some(parent), Some(node)] = ends else { continue };
             if parent != node {
                 self.warn(usage.id, "nothing says where this component is placed: it stays where it is");
-                let (name, color) = (usage.name.clone(), None);
-                nodes[parent].children.push(Child { node, transform: DAffine3::IDENTITY, name, color });
+                let (name, transform, id) = (usage.name.clone(), DAffine3::IDENTITY, usage.id);
+                nodes[parent].children.push(Child { node, transform, name, color: None, id, hidden: false });
             }
         }
+    }
+
+    /// The nodes without shapes of their own that name a file which has them.
+    fn externals(&self, products: &Products, nodes: &[Node]) -> Vec<External> {
+        let has_shapes = |node: usize| {
+            let parts = &nodes[node].groups;
+            let faces = parts.iter().any(|p| !p.contents.solid.is_empty() || !p.contents.open.is_empty());
+            faces || !nodes[node].children.is_empty()
+        };
+        let mut externals = Vec::new();
+        for (&definition, files) in products.files() {
+            let node = products.shape(definition).and_then(|shape| self.node_of(shape));
+            let Some(file) = files.first().filter(|_| node.is_none_or(|node| !has_shapes(node))) else { continue };
+            match node {
+                Some(node) => externals.push(External { node, definition, file: file.clone() }),
+                None => self.warn(definition, format!("its shape is in {file}, and nothing says where that stands")),
+            }
+        }
+        externals
     }
 
     /// The parent's node and the child of one transformation.
@@ -264,7 +310,8 @@ impl<'f, 'a> Builder<'f, 'a> {
         let name = usage.map(|u| u.name.clone()).unwrap_or_default();
         let usage_color = usage.and_then(|u| self.styles.context(u.id).or_else(|| self.styles.context(u.place)));
         let color = usage_color.or_else(|| self.styles.context(id));
-        Ok(Some((parent, Child { node, transform, name, color })))
+        let id = usage.map_or(0, |u| u.id);
+        Ok(Some((parent, Child { node, transform, name, color, id, hidden: false })))
     }
 
     /// From the first representation's frame to the second's.
@@ -308,7 +355,7 @@ impl<'f, 'a> Builder<'f, 'a> {
         let first = contents.solid.first().or(contents.open.first()).map(|f| f.id);
         let message = format!("{count} shapes belong to no representation; they are shown where they are");
         self.log.notes.borrow_mut().push(Warning { entity: first, message });
-        Some(Node { groups: vec![(units, contents)], ..Node::default() })
+        Some(Node { groups: vec![NodePart { id: 0, units, contents }], ..Node::default() })
     }
 
     /// Of a file without representations.

@@ -4,7 +4,6 @@ use super::args::{Args, Value};
 use super::error::{StepError, bad};
 use super::file::Entity;
 use super::invert::End;
-use super::join::joined;
 use super::kinds::Kind;
 use super::place::Shapes;
 use crate::geometry::{CurveForm, CurveSpan, NurbsCurve};
@@ -59,9 +58,7 @@ impl Shapes<'_, '_> {
             Kind::Pcurve => self.curve_on_surface(id, depth + 1)?,
             Kind::CurveReplica => {
                 let parent = self.curve_at(args.reference()?, depth + 1)?;
-                let map = self.map(args.reference()?)?;
-                let Some(spans) = parent.spans() else { return bad(id, "a copy of a curve without ends") };
-                Curve::Whole(CurveForm::Nurbs(joined(id, &spans, &map)?))
+                self.similarity(args.reference()?)?.curve(&parent)?
             }
             _ => return Err(entity.is_not("a curve that is read here")),
         })
@@ -104,17 +101,20 @@ impl Shapes<'_, '_> {
     }
 
     fn trimmed(&self, id: u32, mut args: Args, depth: u8) -> Result<Curve, StepError> {
-        let basis = self.curve_at(args.reference()?, depth + 1)?;
+        let parent = args.reference()?;
+        let basis = self.curve_at(parent, depth + 1)?;
+        let nested = self.file.get(parent)?.kind == Kind::TrimmedCurve;
         let ends = [args.list()?, args.list()?];
         let forward = args.flag()?;
         let by_point = args.enumeration() == b"CARTESIAN";
-        let [start, end] = ends.map(|end| self.trim(&basis, end, by_point));
+        let [start, end] = ends.map(|end| self.trim(&basis, nested, end, by_point));
         let (Some(start), Some(end)) = (start?, end?) else { return bad(id, "a trim without point or parameter") };
         Ok(Curve::Pieces(basis.between(start, end, forward, self.units.tolerance)))
     }
 
-    /// One end of a trimmed curve, as its point or its parameter; what the file prefers where it has both.
-    fn trim(&self, basis: &Curve, select: Args, by_point: bool) -> Result<Option<End>, StepError> {
+    /// One end of a trimmed curve, as its point or its parameter; what the file prefers where it has both. `nested`: the
+    /// basis is a trimmed curve, which has the parameters of its own basis.
+    fn trim(&self, basis: &Curve, nested: bool, select: Args, by_point: bool) -> Result<Option<End>, StepError> {
         let (mut point, mut parameter) = (None, None);
         for value in select {
             match value {
@@ -123,16 +123,35 @@ impl Shapes<'_, '_> {
                 _ => {}
             }
         }
-        let scale = match basis {
-            Curve::Whole(CurveForm::Ellipse { .. }) => self.units.angle,
-            _ => 1.0,
-        };
-        let parameter = match basis {
-            Curve::Whole(_) => parameter.map(|t| End::Parameter(t * scale)),
-            // A parameter of pieces counts them; their points are what files rely on.
-            Curve::Pieces(_) => None,
-        };
+        let parameter = parameter.and_then(|t| match basis {
+            Curve::Whole(form) => Some(End::Parameter(t * self.parameter_scale(form))),
+            Curve::Pieces(spans) => self.point_at(spans, nested, t).map(End::Point),
+        });
         Ok(if by_point { point.or(parameter) } else { parameter.or(point) })
+    }
+
+    /// What one of the file's parameters is in ours: those of conics that close are angles.
+    pub fn parameter_scale(&self, form: &CurveForm) -> f64 {
+        if matches!(form, CurveForm::Ellipse { .. }) { self.units.angle } else { 1.0 }
+    }
+
+    /// The point of joined pieces at a parameter of the file: a composite curve's runs from 0 on through those of its
+    /// segments one after the other (ISO 10303-42, 4.4.30).
+    fn point_at(&self, spans: &[CurveSpan], nested: bool, t: f64) -> Option<DVec3> {
+        if let ([span], true) = (spans, nested) {
+            return Some(span.curve.position(t * self.parameter_scale(&span.curve)));
+        }
+        let mut rest = t;
+        for (k, span) in spans.iter().enumerate() {
+            let [a, b] = span.range;
+            let length = (b - a).abs() / self.parameter_scale(&span.curve);
+            if rest <= length || k + 1 == spans.len() {
+                let part = if length > 0.0 { (rest / length).clamp(0.0, 1.0) } else { 0.0 };
+                return Some(span.curve.position(a + (b - a) * part));
+            }
+            rest -= length;
+        }
+        None
     }
 
     fn composite(&self, segments: Vec<u32>, depth: u8) -> Result<Curve, StepError> {

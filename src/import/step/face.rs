@@ -209,7 +209,11 @@ impl Shapes<'_, '_> {
             let parent = self.file.get(args.reference()?)?;
             args = parent.args()?.skip(3);
         }
-        let geometry = self.edge_geometry(args.reference()?, args.flag()?)?;
+        let (curve, same_sense) = (args.reference()?, args.flag()?);
+        if ends[0] == ends[1] && self.is_point(curve) {
+            return Ok(None);
+        }
+        let geometry = self.edge_geometry(curve, same_sense)?;
         let tolerance = self.units.tolerance;
         let spans = geometry.curve.between(End::Point(ends[0]), End::Point(ends[1]), geometry.forward, tolerance);
         if spans.iter().all(|s| s.range[0] == s.range[1]) {
@@ -218,6 +222,12 @@ impl Shapes<'_, '_> {
         }
         let pcurves = basis.map_or(Vec::new(), |basis| self.pcurves(&geometry, &spans, basis));
         Ok(Some(EdgeUse { edge: id, spans, pcurves, ends }))
+    }
+
+    /// Whether a curve says itself that it is only a point in space: an edge along a pole.
+    fn is_point(&self, curve: u32) -> bool {
+        let kind = self.file.get(curve).map(|entity| entity.kind);
+        matches!(kind, Ok(Kind::DegeneratePcurve | Kind::EvaluatedDegeneratePcurve))
     }
 
     /// Vertices trim an edge; what trims its curve besides is passed over.
@@ -239,8 +249,10 @@ impl Shapes<'_, '_> {
                 }
                 _ => {
                     let curve = self.curve(id)?;
-                    let conic = matches!(curve, Curve::Whole(CurveForm::Ellipse { .. }));
-                    let scale = if conic { self.units.angle } else { 1.0 };
+                    let scale = match &curve {
+                        Curve::Whole(form) => self.parameter_scale(form),
+                        Curve::Pieces(_) => 1.0,
+                    };
                     return Ok(EdgeGeometry { curve, forward, associated, scale });
                 }
             }

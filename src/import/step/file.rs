@@ -1,15 +1,18 @@
 //! The entities of a file by their numbers.
 
 use super::args::Args;
+use super::cursor::Cursor;
 use super::error::StepError;
 use super::kinds::Kind;
-use super::scan::{Cursor, Record};
+use super::scan::{Record, Scanned};
+use glam::DVec3;
 
 /// A file's text with where its entities stand. (The text is in memory: mapping files needs `unsafe`, and a file that
 /// shrinks while it is mapped ends the process.)
 pub(super) struct File<'a> {
     text: &'a [u8],
     records: Vec<Record>,
+    triples: Vec<DVec3>,
     index: Index,
 }
 
@@ -31,11 +34,13 @@ pub(super) struct Entity<'a> {
     pub kind: Kind,
     text: &'a [u8],
     at: usize,
+    /// As [`Record::open`].
+    open: u16,
 }
 
 impl<'a> File<'a> {
     /// Also gives the numbers that are used twice, the later ones being left out.
-    pub fn new(text: &'a [u8], records: Vec<Record>) -> (Self, Vec<u32>) {
+    pub fn new(text: &'a [u8], Scanned { records, triples, .. }: Scanned) -> (Self, Vec<u32>) {
         let highest = records.iter().map(|r| r.id).max().unwrap_or(0) as usize;
         let mut twice = Vec::new();
         let index = if highest <= 1000 + 8 * records.len() {
@@ -55,7 +60,7 @@ impl<'a> File<'a> {
             });
             Index::Sparse(pairs)
         };
-        (Self { text, records, index }, twice)
+        (Self { text, records, triples, index }, twice)
     }
 
     /// Number of entities.
@@ -64,7 +69,7 @@ impl<'a> File<'a> {
     }
 
     fn entity(&self, record: Record) -> Entity<'a> {
-        Entity { id: record.id, kind: record.kind, text: self.text, at: record.at as usize }
+        Entity { id: record.id, kind: record.kind, text: self.text, at: record.at as usize, open: record.open }
     }
 
     /// All entities in the file's order.
@@ -73,14 +78,24 @@ impl<'a> File<'a> {
     }
 
     pub fn get(&self, id: u32) -> Result<Entity<'a>, StepError> {
-        let record = match &self.index {
+        let Some(&record) = self.record(id) else { return Err(StepError::Missing(id)) };
+        Ok(self.entity(record))
+    }
+
+    /// The numbers of point or direction `id`, where they are written as usual.
+    pub fn triple(&self, id: u32, kind: Kind) -> Option<DVec3> {
+        let record = self.record(id).filter(|r| r.kind == kind)?;
+        self.triples.get((record.triple as usize).checked_sub(1)?).copied()
+    }
+
+    fn record(&self, id: u32) -> Option<&Record> {
+        match &self.index {
             Index::Dense(slots) => slots.get(id as usize).and_then(|&k| self.records.get(k.checked_sub(1)? as usize)),
             Index::Sparse(pairs) => {
                 let found = pairs.binary_search_by_key(&id, |p| p.0).ok();
                 found.and_then(|k| self.records.get(pairs[k].1 as usize))
             }
-        };
-        record.map(|&r| self.entity(r)).ok_or(StepError::Missing(id))
+        }
     }
 
     /// The parameters of entity `id`, which must be of `kind`.
@@ -108,6 +123,9 @@ impl<'a> Entity<'a> {
 
     /// The parameters of an entity with one keyword.
     pub fn args(&self) -> Result<Args<'a>, StepError> {
+        if self.open > 0 {
+            return Ok(Args::inside(self.text, self.at + usize::from(self.open), self.id));
+        }
         let mut cursor = Cursor { text: self.text, at: self.at };
         let open = cursor.keyword().ok().and_then(|_| Args::open(self.text, cursor.at, self.id));
         open.ok_or_else(|| self.is_not("an entity with one keyword"))

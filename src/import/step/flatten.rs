@@ -19,8 +19,7 @@ struct Walk<'a> {
     on_path: Vec<bool>,
     reached: Vec<bool>,
     steps: usize,
-    instances: Vec<Instance>,
-    warnings: Vec<Warning>,
+    flat: Flat,
 }
 
 /// Where a walk stands.
@@ -30,10 +29,22 @@ struct Place {
     name: String,
     color: Option<[f32; 3]>,
     depth: usize,
+    /// Numbers of the product definitions and usages from the top to here.
+    path: Vec<u32>,
+    hidden: bool,
 }
 
-/// The instances of all parts; `parts` has those of each node.
-pub(super) fn flatten(assembly: &Assembly, parts: &[Vec<usize>]) -> (Vec<Instance>, Vec<Warning>) {
+/// The instances of all parts that are to be seen.
+#[derive(Default)]
+pub(super) struct Flat {
+    pub instances: Vec<Instance>,
+    /// Parts whose instances are hidden, once for each.
+    pub hidden: Vec<usize>,
+    pub warnings: Vec<Warning>,
+}
+
+/// Walks through the whole; `parts` has those of each node.
+pub(super) fn flatten(assembly: &Assembly, parts: &[Vec<usize>]) -> Flat {
     let count = assembly.nodes.len();
     let mut is_child = vec![false; count];
     for child in assembly.nodes.iter().flat_map(|n| &n.children) {
@@ -46,21 +57,21 @@ pub(super) fn flatten(assembly: &Assembly, parts: &[Vec<usize>]) -> (Vec<Instanc
         on_path: vec![false; count],
         reached: vec![false; count],
         steps: 0,
-        instances: Vec::new(),
-        warnings: Vec::new(),
+        flat: Flat::default(),
     };
     let tops = (0..count).filter(|&n| !is_child[n]);
     // What only reaches itself has no top: it is entered somewhere.
     for node in tops.chain(0..count) {
         if !walk.reached[node] {
             let name = assembly.nodes[node].name.clone();
-            walk.enter(&Place { node, transform: DAffine3::IDENTITY, name, color: None, depth: 0 });
+            let transform = DAffine3::IDENTITY;
+            walk.enter(Place { node, transform, name, color: None, depth: 0, path: Vec::new(), hidden: false });
         }
     }
     if walk.steps >= MAX_STEPS {
         walk.warn(format!("the assembly asks for more than {MAX_STEPS} components; the rest is left out"));
     }
-    (walk.instances, walk.warnings)
+    walk.flat
 }
 
 /// The nodes that have parts in them, or below them.
@@ -84,12 +95,12 @@ fn holders(assembly: &Assembly, parts: &[Vec<usize>]) -> Vec<bool> {
 impl Walk<'_> {
     fn warn(&mut self, message: String) {
         // One of a kind is enough.
-        if !self.warnings.iter().any(|w| w.message == message) {
-            self.warnings.push(Warning { entity: None, message });
+        if !self.flat.warnings.iter().any(|w| w.message == message) {
+            self.flat.warnings.push(Warning { entity: None, message });
         }
     }
 
-    fn enter(&mut self, place: &Place) {
+    fn enter(&mut self, mut place: Place) {
         self.steps += 1;
         if self.steps > MAX_STEPS {
             return;
@@ -100,11 +111,17 @@ impl Walk<'_> {
         }
         self.on_path[place.node] = true;
         self.reached[place.node] = true;
-        for &part in &self.parts[place.node] {
-            let Place { transform, name, color, .. } = place;
-            self.instances.push(Instance { part, transform: *transform, name: name.clone(), color: *color });
-        }
         let assembly = self.assembly;
+        place.path.extend(Some(assembly.nodes[place.node].id).filter(|&id| id != 0));
+        for &part in &self.parts[place.node] {
+            if place.hidden {
+                self.flat.hidden.push(part);
+                continue;
+            }
+            let Place { transform, ref name, color, ref path, .. } = place;
+            let (name, path) = (name.clone(), path.clone());
+            self.flat.instances.push(Instance { part, transform, name, color, path });
+        }
         for child in &assembly.nodes[place.node].children {
             if !self.holds[child.node] {
                 continue;
@@ -114,7 +131,10 @@ impl Walk<'_> {
             let name = if place.name.is_empty() { own.clone() } else { format!("{}/{own}", place.name) };
             // A style of the whole is meant for all of it.
             let color = place.color.or(child.color);
-            self.enter(&Place { node: child.node, transform, name, color, depth: place.depth + 1 });
+            let mut path = place.path.clone();
+            path.extend(Some(child.id).filter(|&id| id != 0));
+            let hidden = place.hidden || child.hidden;
+            self.enter(Place { node: child.node, transform, name, color, depth: place.depth + 1, path, hidden });
         }
         self.on_path[place.node] = false;
     }

@@ -7,14 +7,14 @@ use crate::geometry::{BezierCurve, CurveForm, CurvePiece, CurveSpan, NurbsCurve}
 use glam::{DAffine3, DVec3, DVec4};
 
 /// An approximation stays this close to what it follows, in millimetres.
-const FIT_TOLERANCE: f64 = 1e-6;
+pub(super) const FIT_TOLERANCE: f64 = 1e-6;
 /// Pieces of an approximation.
 const MAX_PIECES: usize = 4096;
 
-/// All spans as one curve, moved by `map`; its parameter is that of the spans one after the other. Exact.
-pub(super) fn joined(id: u32, spans: &[CurveSpan], map: &DAffine3) -> Result<NurbsCurve, StepError> {
+/// All spans as one curve; its parameter is that of the spans one after the other. Exact.
+pub(super) fn joined(id: u32, spans: &[CurveSpan]) -> Result<NurbsCurve, StepError> {
     let pieces: Vec<CurvePiece> = spans.iter().flat_map(CurveSpan::pieces).collect();
-    of_pieces(id, &pieces, map)
+    of_pieces(id, &pieces, &DAffine3::IDENTITY)
 }
 
 /// Pieces in order as one curve, continuous where they meet.

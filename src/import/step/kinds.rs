@@ -1,6 +1,6 @@
 //! The entity types that the reader knows.
 
-use std::collections::HashMap;
+use foldhash::HashMap;
 use std::sync::LazyLock;
 
 macro_rules! kinds {
@@ -16,7 +16,7 @@ macro_rules! kinds {
         }
 
         static KEYWORDS: LazyLock<HashMap<&'static [u8], Kind>> = LazyLock::new(|| {
-            HashMap::from([$(($keyword.as_bytes(), Kind::$kind),)*])
+            [$(($keyword.as_bytes(), Kind::$kind),)*].into_iter().collect()
         });
     };
 }
@@ -30,6 +30,8 @@ impl Kind {
 kinds! {
     AdvancedBrepShapeRepresentation "ADVANCED_BREP_SHAPE_REPRESENTATION"
     AdvancedFace "ADVANCED_FACE"
+    AppliedDocumentReference "APPLIED_DOCUMENT_REFERENCE"
+    AppliedExternalIdentification "APPLIED_EXTERNAL_IDENTIFICATION_ASSIGNMENT"
     Axis1Placement "AXIS1_PLACEMENT"
     Axis2Placement2d "AXIS2_PLACEMENT_2D"
     Axis2Placement3d "AXIS2_PLACEMENT_3D"
@@ -61,13 +63,16 @@ kinds! {
     CurveReplica "CURVE_REPLICA"
     CylindricalSurface "CYLINDRICAL_SURFACE"
     DefinitionalRepresentation "DEFINITIONAL_REPRESENTATION"
+    DegeneratePcurve "DEGENERATE_PCURVE"
     DegenerateToroidalSurface "DEGENERATE_TOROIDAL_SURFACE"
     Direction "DIRECTION"
+    DocumentFile "DOCUMENT_FILE"
     DraughtingPreDefinedColour "DRAUGHTING_PRE_DEFINED_COLOUR"
     Edge "EDGE"
     EdgeCurve "EDGE_CURVE"
     EdgeLoop "EDGE_LOOP"
     Ellipse "ELLIPSE"
+    EvaluatedDegeneratePcurve "EVALUATED_DEGENERATE_PCURVE"
     Face "FACE"
     FaceBasedSurfaceModel "FACE_BASED_SURFACE_MODEL"
     FaceBound "FACE_BOUND"
@@ -85,6 +90,7 @@ kinds! {
     GlobalUnitAssignedContext "GLOBAL_UNIT_ASSIGNED_CONTEXT"
     Hyperbola "HYPERBOLA"
     IntersectionCurve "INTERSECTION_CURVE"
+    Invisibility "INVISIBILITY"
     ItemDefinedTransformation "ITEM_DEFINED_TRANSFORMATION"
     LengthMeasureWithUnit "LENGTH_MEASURE_WITH_UNIT"
     LengthUnit "LENGTH_UNIT"
@@ -112,6 +118,7 @@ kinds! {
     PlaneAngleUnit "PLANE_ANGLE_UNIT"
     PolyLoop "POLY_LOOP"
     Polyline "POLYLINE"
+    PresentationLayerAssignment "PRESENTATION_LAYER_ASSIGNMENT"
     PresentationStyleAssignment "PRESENTATION_STYLE_ASSIGNMENT"
     PresentationStyleByContext "PRESENTATION_STYLE_BY_CONTEXT"
     Product "PRODUCT"

@@ -8,8 +8,10 @@
 
 mod args;
 mod assembly;
+mod cursor;
 mod curve;
 mod error;
+mod external;
 mod face;
 mod file;
 mod flatten;
@@ -17,9 +19,11 @@ mod invert;
 mod items;
 mod join;
 mod kinds;
+mod number;
 mod pcurve;
 mod place;
 mod products;
+mod replica;
 mod scan;
 mod spline;
 mod styles;
@@ -27,15 +31,16 @@ mod surface;
 mod text;
 mod units;
 
-use super::ParseError;
 use super::brep::build_face;
-use crate::model::{Face, Model, Part, Solidity, Warning};
-use assembly::Assembly;
+use super::{Origin, ParseError};
+use crate::model::{Face, Group, Model, Part, Solidity, Warning};
+use assembly::{Assembly, NodePart};
 use file::File;
 use items::FaceUse;
 use place::{Log, Shapes};
 use rayon::prelude::*;
 use scan::{Scanned, SyntaxError};
+use std::ops::Range;
 use units::Units;
 
 /// Entity numbers that a message lists.
@@ -44,16 +49,16 @@ const LISTED: usize = 5;
 /// True for files that open like this format; white space and comments may come before.
 pub(super) fn matches(bytes: &[u8]) -> bool {
     let text = without_mark(bytes);
-    let mut cursor = scan::Cursor { text, at: 0 };
+    let mut cursor = cursor::Cursor { text, at: 0 };
     cursor.blank().is_ok() && text[cursor.at..].starts_with(b"ISO-10303-21")
 }
 
 /// Reads a whole file. What can't be read is left out by name, as long as a face is left.
-pub(super) fn parse(bytes: &[u8], name: &str) -> Result<Model, ParseError> {
+pub(super) fn parse(bytes: &[u8], origin: &Origin) -> Result<Model, ParseError> {
     let text = without_mark(bytes);
     let scanned = scan::scan(text);
     let mut warnings = syntax_warnings(text, &scanned);
-    let (file, twice) = File::new(text, scanned.records);
+    let (file, twice) = File::new(text, scanned);
     if !twice.is_empty() {
         let listed: Vec<String> = twice.iter().take(LISTED).map(|id| format!("#{id}")).collect();
         let (count, listed) = (twice.len(), listed.join(", "));
@@ -62,13 +67,21 @@ pub(super) fn parse(bytes: &[u8], name: &str) -> Result<Model, ParseError> {
     }
     let styles = styles::Styles::new(&file);
     let mut assembly = assembly::assemble(&file, &styles);
-    let mut model = Model { name: name.to_owned(), unit: Some("mm".into()), warnings, ..Model::default() };
+    if let [first, ..] = styles.partial[..] {
+        let count = styles.partial.len();
+        let message = format!("#{first}: {count} styles colour single faces of one component alone: not shown");
+        warnings.push(Warning { entity: Some(first), message });
+    }
+    let mut model = Model { name: origin.name.clone(), unit: Some("mm".into()), warnings, ..Model::default() };
     model.warnings.append(&mut assembly.warnings);
     model.lost.append(&mut assembly.lost);
-    let parts = build_parts(&file, &mut assembly, &mut model);
-    let (instances, notes) = flatten::flatten(&assembly, &parts);
-    model.instances = instances;
-    model.warnings.extend(notes);
+    model.aliases = std::mem::take(&mut assembly.aliases);
+    let mut parts = build_parts(&file, &assembly, &mut model);
+    external::attach(&mut assembly, &mut parts, &mut model, origin);
+    let flat = flatten::flatten(&assembly, &parts);
+    model.instances = flat.instances;
+    model.warnings.extend(flat.warnings);
+    model.unshown.hidden_faces += flat.hidden.iter().map(|&part| model.parts[part].faces.len()).sum::<usize>();
     if model.instances.iter().all(|i| model.parts[i.part].faces.is_empty()) {
         return Err(nothing(text, &model));
     }
@@ -78,7 +91,7 @@ pub(super) fn parse(bytes: &[u8], name: &str) -> Result<Model, ParseError> {
 /// Reads the text alone: how many entities it holds.
 pub(super) fn count_entities(bytes: &[u8]) -> u64 {
     let text = without_mark(bytes);
-    let (file, _) = File::new(text, scan::scan(text).records);
+    let (file, _) = File::new(text, scan::scan(text));
     file.len() as u64
 }
 
@@ -99,6 +112,10 @@ fn syntax_warnings(text: &[u8], scanned: &Scanned) -> Vec<Warning> {
     if more > 0 {
         warnings.push(Warning { entity: None, message: format!("{more} more errors like these") });
     }
+    if scanned.elsewhere > 0 {
+        let message = format!("{} entities stand in other files and are not read (REFERENCE)", scanned.elsewhere);
+        warnings.push(Warning { entity: None, message });
+    }
     if !scanned.ended {
         let (line, column) = place_of(text, text.len());
         let message = format!("line {line}, column {column}: the file ends before END-ISO-10303-21: it may be cut");
@@ -118,7 +135,10 @@ fn place_of(text: &[u8], at: usize) -> (usize, usize) {
 
 /// Why a file gives no model: the first thing that went wrong.
 fn nothing(text: &[u8], model: &Model) -> ParseError {
-    let why = model.lost.first().or(model.warnings.first()).map_or(String::new(), |w| format!(" ({})", w.message));
+    let first = model.lost.first().or(model.warnings.first()).map(|w| w.message.clone());
+    let hidden = model.unshown.hidden_faces;
+    let first = first.or_else(|| (hidden > 0).then(|| format!("the file hides all of its {hidden} faces")));
+    let why = first.map_or(String::new(), |why| format!(" ({why})"));
     let why: String = why.chars().take(300).collect();
     ParseError { line: place_of(text, text.len()).0, what: format!("no face could be read{why}") }
 }
@@ -131,34 +151,64 @@ struct Job<'j> {
 }
 
 /// Faces of all nodes as parts, solids apart from open ones; the parts of each node.
-fn build_parts(file: &File, assembly: &mut Assembly, model: &mut Model) -> Vec<Vec<usize>> {
+fn build_parts(file: &File, assembly: &Assembly, model: &mut Model) -> Vec<Vec<usize>> {
     let mut parts = vec![Vec::new(); assembly.nodes.len()];
+    for contents in assembly.nodes.iter().flat_map(|node| &node.groups).map(|part| &part.contents) {
+        model.unshown.hidden_faces += contents.unshown.hidden_faces;
+        model.unshown.lone_curves += contents.unshown.lone_curves;
+    }
     let mut jobs = Vec::new();
     for (node, own) in assembly.nodes.iter().zip(&mut parts) {
         for solidity in [Solidity::Solid, Solidity::Open] {
             let part = model.parts.len();
             let before = jobs.len();
-            for (units, contents) in &node.groups {
-                let faces = if solidity == Solidity::Solid { &contents.solid } else { &contents.open };
+            let mut groups = Vec::new();
+            for NodePart { id, units, contents } in &node.groups {
+                let is_solid = solidity == Solidity::Solid;
+                let faces = if is_solid { &contents.solid } else { &contents.open };
+                let first = jobs.len() - before;
                 jobs.extend(faces.iter().map(|face| Job { part, units: *units, face }));
+                let own = |group: &items::Group| {
+                    let Range { start, end } = if is_solid { group.solid.clone() } else { group.open.clone() };
+                    let (id, name) = (group.id, group.name.clone());
+                    Group { id, name, is_solid: is_solid && group.is_solid, faces: first + start..first + end }
+                };
+                groups.push(Group { id: *id, faces: first..first + faces.len(), is_solid, ..Group::default() });
+                groups.extend(contents.groups.iter().map(own));
             }
+            groups.retain(|group| !group.faces.is_empty() && group.id != 0);
             if jobs.len() > before {
-                model.parts.push(Part { id: node.id, name: node.name.clone(), faces: Vec::new(), solidity });
+                let (id, name) = (node.id, node.name.clone());
+                model.parts.push(Part { id, name, solidity, groups, ..Part::default() });
                 own.push(part);
             }
         }
     }
     let built: Vec<_> = jobs.par_iter().map(|job| build(file, job)).collect();
+    // Where each job's face is in its part, or would be.
+    let mut places = Vec::with_capacity(jobs.len());
     for (job, (face, log)) in jobs.iter().zip(built) {
         model.warnings.extend(log.notes.into_inner());
+        let part = &mut model.parts[job.part];
         if log.doubtful.get() {
             // Its walls may show their backs.
-            model.parts[job.part].solidity = Solidity::Open;
+            part.solidity = Solidity::Open;
         }
+        let faces = &mut part.faces;
+        places.push(faces.len());
         match face {
-            Ok(face) => model.parts[job.part].faces.push(face),
+            Ok(face) => faces.push(face),
             Err(message) => model.lost.push(Warning { entity: Some(job.face.id), message }),
         }
+    }
+    // Groups follow their faces past those that are lost.
+    let mut first = 0;
+    for part in &mut model.parts {
+        let count = jobs[first..].partition_point(|job| job.part == jobs[first].part);
+        let place = |k: usize| if k < count { places[first + k] } else { part.faces.len() };
+        part.groups.iter_mut().for_each(|group| group.faces = place(group.faces.start)..place(group.faces.end));
+        part.groups.retain(|group| !group.faces.is_empty());
+        first += count;
     }
     parts
 }

@@ -3,7 +3,7 @@
 use super::curve::{Curve, backward, whole_range};
 use super::error::{StepError, bad};
 use super::face::EdgeGeometry;
-use super::join::{followed, of_pieces};
+use super::join::{FIT_TOLERANCE, followed, of_pieces};
 use super::kinds::Kind;
 use super::place::Shapes;
 use super::surface::Basis;
@@ -66,7 +66,7 @@ impl Shapes<'_, '_> {
         for span in self.plane_spans(curve, &basis, depth)? {
             spans.push(self.lifted(id, &span, &basis)?);
         }
-        self.note(id, "a curve of a parameter plane, approximated in space");
+        self.note(id, format!("a curve of a parameter plane, approximated in space to {FIT_TOLERANCE:e} mm"));
         Ok(Curve::Pieces(spans))
     }
 

@@ -51,12 +51,19 @@ impl<'f, 'a> Shapes<'f, 'a> {
         Self { units: Units { length: 1.0, angle: 1.0, ..self.units }, ..self }
     }
 
-    /// A point; coordinates that are missing are 0.
+    /// The numbers of a point or a direction; those that are missing are 0.
+    fn triple(&self, id: u32, kind: Kind, expected: &'static str) -> Result<DVec3, StepError> {
+        if let Some(triple) = self.file.triple(id, kind) {
+            return Ok(triple);
+        }
+        let mut list = self.file.args(id, kind, expected)?.skip(1).list()?;
+        let mut number = || list.optional_number().map(|x| x.unwrap_or(0.0));
+        Ok(DVec3::new(number()?, number()?, number()?))
+    }
+
+    /// A point.
     pub fn point(&self, id: u32) -> Result<DVec3, StepError> {
-        let args = self.file.args(id, Kind::CartesianPoint, "a point")?;
-        let mut list = args.skip(1).list()?;
-        let mut coordinate = || list.optional_number().map(|x| x.unwrap_or(0.0) * self.units.length);
-        Ok(DVec3::new(coordinate()?, coordinate()?, coordinate()?))
+        Ok(self.triple(id, Kind::CartesianPoint, "a point")? * self.units.length)
     }
 
     pub fn points(&self, ids: &[u32]) -> Result<Vec<DVec3>, StepError> {
@@ -70,9 +77,7 @@ impl<'f, 'a> Shapes<'f, 'a> {
 
     /// A unit vector.
     pub fn direction(&self, id: u32) -> Result<DVec3, StepError> {
-        let mut list = self.file.args(id, Kind::Direction, "a direction")?.skip(1).list()?;
-        let mut ratio = || list.optional_number().map(|x| x.unwrap_or(0.0));
-        let ratios = DVec3::new(ratio()?, ratio()?, ratio()?);
+        let ratios = self.triple(id, Kind::Direction, "a direction")?;
         ratios.try_normalize().map_or_else(|| bad(id, "a direction without length"), Ok)
     }
 

@@ -1,10 +1,13 @@
 //! The statements of a Part 21 file (ISO 10303-21:2016, clause 5): where each entity stands, its number and its keyword.
 //!
-//! One pass checks the syntax and keeps 12 bytes an entity; parameters are read from the text when they are asked for.
+//! One pass checks the syntax and keeps 16 bytes an entity, and the numbers of points and directions, which make up most
+//! of a file and are asked for several times. Other parameters are read from the text when they are asked for.
 //! The text is cut at guessed statement ends and the pieces are scanned in parallel. A guess inside a string or a comment
 //! shows when the piece before doesn't end there, and is then scanned again from the right place.
 
+use super::cursor::Cursor;
 use super::kinds::Kind;
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Pieces smaller than this are not worth a thread.
@@ -21,7 +24,11 @@ pub(super) struct Record {
     pub id: u32,
     /// Offset of its keyword, or of the parenthesis of a complex entity.
     pub at: u32,
+    /// From there to the opening parenthesis; 0 where that is too far.
+    pub open: u16,
     pub kind: Kind,
+    /// One more than the place of its numbers among the triples; 0: none.
+    pub triple: u32,
 }
 
 /// What the text says that it shouldn't.
@@ -35,9 +42,13 @@ pub(super) struct SyntaxError {
 pub(super) struct Scanned {
     /// In the file's order.
     pub records: Vec<Record>,
+    /// What points and directions hold, where it is written as usual.
+    pub triples: Vec<DVec3>,
     pub errors: Vec<SyntaxError>,
     /// All errors, those that are not kept too.
     pub error_count: usize,
+    /// Numbers that stand for entities of other files (the REFERENCE section).
+    pub elsewhere: usize,
     /// `END-ISO-10303-21` was met.
     pub ended: bool,
 }
@@ -51,8 +62,12 @@ impl Scanned {
     }
 
     fn append(&mut self, mut other: Self) {
+        let before = self.triples.len() as u32;
+        other.records.iter_mut().filter(|r| r.triple > 0).for_each(|r| r.triple += before);
         self.records.append(&mut other.records);
+        self.triples.append(&mut other.triples);
         self.error_count += other.error_count;
+        self.elsewhere += other.elsewhere;
         let room = ERRORS_KEPT.saturating_sub(self.errors.len());
         self.errors.extend(other.errors.into_iter().take(room));
         self.ended |= other.ended;
@@ -134,44 +149,12 @@ fn opens_entity(text: &[u8]) -> bool {
     digits > 0 && rest[digits..].trim_ascii_start().first() == Some(&b'=')
 }
 
-/// A place in the text.
-pub(super) struct Cursor<'a> {
-    pub text: &'a [u8],
-    pub at: usize,
-}
-
-impl<'a> Cursor<'a> {
-    pub fn peek(&self) -> Option<u8> {
-        self.text.get(self.at).copied()
-    }
-
-    fn error<T>(&self, what: &'static str) -> Result<T, SyntaxError> {
-        Err(SyntaxError { at: self.at, what })
-    }
-
-    /// Passes white space and comments. Control characters count as white space, as readers everywhere do.
-    pub fn blank(&mut self) -> Result<(), SyntaxError> {
-        while let Some(b) = self.peek() {
-            if b <= b' ' {
-                self.at += 1;
-            } else if b == b'/' && self.text.get(self.at + 1) == Some(&b'*') {
-                let start = self.at;
-                let inside = &self.text[start + 2..];
-                let Some(length) = inside.windows(2).position(|w| w == b"*/") else {
-                    return Err(SyntaxError { at: start, what: "a comment that is not closed" });
-                };
-                self.at = start + length + 4;
-            } else {
-                break;
-            }
-        }
-        Ok(())
-    }
-
+impl Cursor<'_> {
     /// Passes a statement, its semicolon included; notes the entity.
     fn statement(&mut self, found: &mut Scanned) -> Result<(), SyntaxError> {
         if self.peek() == Some(b'#') {
-            let record = self.entity()?;
+            let record = self.entity(&mut found.triples)?;
+            found.elsewhere += usize::from(record.is_none());
             // The parameters are complete, whatever follows them.
             found.records.extend(record);
             self.blank()?;
@@ -209,7 +192,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// `#12 = KEYWORD(...)` or `#12 = (A(...) B(...))`; nothing for a reference to another file.
-    fn entity(&mut self) -> Result<Option<Record>, SyntaxError> {
+    fn entity(&mut self, triples: &mut Vec<DVec3>) -> Result<Option<Record>, SyntaxError> {
         let start = self.at;
         let id = self.reference()?;
         self.blank()?;
@@ -229,167 +212,22 @@ impl<'a> Cursor<'a> {
             _ => Kind::of(self.keyword()?),
         };
         self.blank()?;
-        if kind == Kind::Complex {
-            self.complex()?
-        } else {
-            self.parameters()?
+        let open = u16::try_from(self.at - at).unwrap_or(0);
+        let mut triple = 0;
+        match kind {
+            Kind::Complex => self.complex()?,
+            Kind::CartesianPoint | Kind::Direction => match self.triple() {
+                Some(numbers) => {
+                    triples.push(numbers);
+                    triple = triples.len() as u32;
+                }
+                None => self.parameters()?,
+            },
+            _ => self.parameters()?,
         }
         let (Some(id), Ok(at)) = (id, u32::try_from(at)) else {
             return Err(SyntaxError { at: start, what: "an entity number above 4294967295" });
         };
-        Ok(Some(Record { id, at, kind }))
+        Ok(Some(Record { id, at, open, kind, triple }))
     }
-
-    /// `#12`; `None` where the number does not fit.
-    pub fn reference(&mut self) -> Result<Option<u32>, SyntaxError> {
-        self.at += 1;
-        let digits = self.text[self.at..].iter().take_while(|b| b.is_ascii_digit()).count();
-        if digits == 0 {
-            return self.error("expected an entity number");
-        }
-        let value = self.text[self.at..self.at + digits]
-            .iter()
-            .try_fold(0u32, |n, &b| n.checked_mul(10)?.checked_add(u32::from(b - b'0')));
-        self.at += digits;
-        Ok(value)
-    }
-
-    pub fn keyword(&mut self) -> Result<&'a [u8], SyntaxError> {
-        let start = self.at;
-        self.at += usize::from(self.peek() == Some(b'!'));
-        let name = |b: &&u8| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'-');
-        self.at += self.text[self.at..].iter().take_while(name).count();
-        if self.text[start..self.at].first().is_none_or(u8::is_ascii_digit) {
-            return self.error("expected a keyword");
-        }
-        Ok(&self.text[start..self.at])
-    }
-
-    /// `(A(...) B(...))`
-    fn complex(&mut self) -> Result<(), SyntaxError> {
-        self.at += 1;
-        loop {
-            self.blank()?;
-            if self.peek() == Some(b')') {
-                self.at += 1;
-                return Ok(());
-            }
-            self.keyword()?;
-            self.blank()?;
-            self.parameters()?;
-        }
-    }
-
-    /// A parameter list with all that is nested in it, without recursion.
-    fn parameters(&mut self) -> Result<(), SyntaxError> {
-        if self.peek() != Some(b'(') {
-            return self.error("expected a parenthesis");
-        }
-        self.at += 1;
-        let mut depth = 1usize;
-        let mut first = true;
-        loop {
-            self.blank()?;
-            if !(first && self.peek() == Some(b')')) && self.value()? {
-                depth += 1;
-                first = true;
-                continue;
-            }
-            first = false;
-            // Behind a value: lists end here, or the next value comes.
-            loop {
-                self.blank()?;
-                match self.peek() {
-                    Some(b')') => {
-                        self.at += 1;
-                        depth -= 1;
-                        if depth == 0 {
-                            return Ok(());
-                        }
-                    }
-                    Some(b',') => {
-                        self.at += 1;
-                        break;
-                    }
-                    None => return self.error("the file ends inside an entity"),
-                    _ => return self.error("expected a comma or a closing parenthesis"),
-                }
-            }
-        }
-    }
-
-    /// Passes one value; true where it opens a list, and the cursor is then inside.
-    fn value(&mut self) -> Result<bool, SyntaxError> {
-        match self.peek() {
-            Some(b'#') => self.reference().map(|_| false),
-            Some(b'\'') => self.string().map(|()| false),
-            Some(b'$' | b'*') => self.pass(1),
-            Some(b'(') => {
-                self.at += 1;
-                Ok(true)
-            }
-            Some(b'0'..=b'9' | b'+' | b'-') => self.number(),
-            Some(b'.') if self.text.get(self.at + 1).is_some_and(u8::is_ascii_digit) => self.number(),
-            Some(b'.') => {
-                let name = self.text[self.at + 1..].iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_');
-                let length = name.count();
-                if length == 0 || self.text.get(self.at + 1 + length) != Some(&b'.') {
-                    return self.error("expected an enumeration value");
-                }
-                self.pass(length + 2)
-            }
-            Some(b'"') => {
-                let length = self.text[self.at + 1..].iter().take_while(|b| b.is_ascii_hexdigit()).count();
-                if self.text.get(self.at + 1 + length) != Some(&b'"') {
-                    return self.error("a binary value that is not closed");
-                }
-                self.pass(length + 2)
-            }
-            Some(b'A'..=b'Z' | b'a'..=b'z' | b'!' | b'_') => {
-                self.keyword()?;
-                self.blank()?;
-                if self.peek() != Some(b'(') {
-                    return self.error("expected a parenthesis");
-                }
-                self.at += 1;
-                Ok(true)
-            }
-            None => self.error("the file ends inside an entity"),
-            _ => self.error("expected a value"),
-        }
-    }
-
-    fn pass(&mut self, length: usize) -> Result<bool, SyntaxError> {
-        self.at += length;
-        Ok(false)
-    }
-
-    fn number(&mut self) -> Result<bool, SyntaxError> {
-        let length = number_length(&self.text[self.at..]);
-        if !self.text[self.at..self.at + length].iter().any(u8::is_ascii_digit) {
-            return self.error("expected a number");
-        }
-        self.pass(length)
-    }
-
-    /// `'...'`, where `''` stands for a quote.
-    pub fn string(&mut self) -> Result<(), SyntaxError> {
-        let start = self.at;
-        let mut at = start + 1;
-        while let Some(length) = self.text.get(at..).and_then(|t| t.iter().position(|&b| b == b'\'')) {
-            at += length + 1;
-            if self.text.get(at) != Some(&b'\'') {
-                self.at = at;
-                return Ok(());
-            }
-            at += 1;
-        }
-        Err(SyntaxError { at: start, what: "a string that is not closed" })
-    }
-}
-
-/// Length of what is written like a number.
-pub(super) fn number_length(text: &[u8]) -> usize {
-    let part = |b: &&u8| matches!(b, b'0'..=b'9' | b'+' | b'-' | b'.' | b'E' | b'e' | b'D' | b'd');
-    text.iter().take_while(part).count()
 }

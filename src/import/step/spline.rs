@@ -55,7 +55,8 @@ fn spelling<'a>(entity: &Entity<'a>, directions: usize) -> Option<Spelling<'a>> 
             spacing: spacing.unwrap_or(Spacing::QuasiUniform),
         });
     }
-    let base = entity.args().ok()?.skip(1);
+    let is_spline = spacing_of(entity.kind).is_some() || [base_kind, rational].contains(&entity.kind);
+    let base = is_spline.then(|| entity.args().ok())??.skip(1);
     let behind = || base.clone().skip(own);
     match spacing_of(entity.kind) {
         Some(spacing) => {

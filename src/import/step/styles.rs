@@ -3,7 +3,7 @@
 use super::args::Value;
 use super::file::File;
 use super::kinds::Kind;
-use std::collections::HashMap;
+use foldhash::{HashMap, HashSet};
 
 /// From a styled item to its colour pass fewer entities than this.
 const MAX_DEPTH: u8 = 10;
@@ -14,6 +14,9 @@ pub(super) struct Styles {
     items: HashMap<u32, Styled>,
     /// Of the relationship that places a part, for a style in that context only.
     contexts: HashMap<u32, [f32; 3]>,
+    hidden: HashSet<u32>,
+    /// Styles of single faces in one place of their part only, which are not shown.
+    pub partial: Vec<u32>,
 }
 
 #[derive(Clone, Copy)]
@@ -26,6 +29,10 @@ impl Styles {
     pub fn new(file: &File) -> Self {
         let mut styles = Self::default();
         for entity in file.entities() {
+            if entity.kind == Kind::Invisibility {
+                let items = entity.args().and_then(|mut args| args.references()).unwrap_or_default();
+                items.into_iter().for_each(|item| hide(file, item, &mut styles.hidden));
+            }
             let overriding = match entity.kind {
                 Kind::StyledItem => false,
                 Kind::OverRidingStyledItem | Kind::ContextDependentOverRidingStyledItem => true,
@@ -37,6 +44,11 @@ impl Styles {
             let Some(color) = assigned.into_iter().find_map(|style| color_of(file, style, 0)) else { continue };
             let Some(item) = args.optional_reference() else { continue };
             if entity.kind == Kind::ContextDependentOverRidingStyledItem {
+                // Instances have one colour: their faces can't differ from those of the part.
+                if file.get(item).is_ok_and(|entity| matches!(entity.kind, Kind::AdvancedFace | Kind::FaceSurface)) {
+                    styles.partial.push(entity.id);
+                    continue;
+                }
                 let contexts = args.skip(1).references().unwrap_or_default();
                 styles.contexts.extend(contexts.into_iter().map(|context| (context, color)));
                 continue;
@@ -53,9 +65,27 @@ impl Styles {
         self.items.get(&id).map(|s| s.color)
     }
 
+    /// Whether the file says that this is not to be seen.
+    pub fn is_hidden(&self, id: u32) -> bool {
+        self.hidden.contains(&id)
+    }
+
     pub fn context(&self, id: u32) -> Option<[f32; 3]> {
         self.contexts.get(&id).copied()
     }
+}
+
+/// What an invisible item stands for (ISO 10303-46, `invisibility`): a style for what it styles, a layer for all that is
+/// on it, anything else for itself.
+fn hide(file: &File, id: u32, hidden: &mut HashSet<u32>) {
+    let styled = |id: u32| {
+        let entity = file.get(id).ok()?;
+        matches!(entity.kind, Kind::StyledItem | Kind::OverRidingStyledItem).then_some(())?;
+        entity.args().ok()?.skip(2).optional_reference()
+    };
+    let layer = file.args(id, Kind::PresentationLayerAssignment, "a layer").and_then(|args| args.skip(2).references());
+    let items = layer.unwrap_or_else(|_| vec![id]);
+    hidden.extend(items.into_iter().map(|item| styled(item).unwrap_or(item)));
 }
 
 /// The first colour of a surface that is reached from `id`.

@@ -10,7 +10,6 @@ use super::place::Shapes;
 use crate::geometry::exact::Frame;
 use crate::geometry::{CurveForm, CurveSpan, SurfaceForm};
 use crate::model::SurfaceKind;
-use glam::DAffine3;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Bounds in the surface's own parameters, where it has some.
@@ -80,6 +79,7 @@ impl Shapes<'_, '_> {
             }
             Kind::OffsetSurface => self.offset_surface(id, args, depth)?,
             Kind::RectangularTrimmedSurface => self.trimmed_surface(id, args, depth)?,
+            Kind::SurfaceReplica => self.surface_replica(id, args, depth)?,
             Kind::CurveBoundedSurface => self.bounded_surface(id, args, depth)?,
             _ => return Err(entity.is_not("a surface that is read here")),
         })
@@ -134,12 +134,12 @@ impl Shapes<'_, '_> {
         let curve = match self.curve_at(id, depth + 1)? {
             Curve::Whole(curve) => curve,
             Curve::Pieces(mut spans) if spans.len() == 1 => {
-                let scale = parameter_scale(&spans[0].curve, self.units.angle);
+                let scale = self.parameter_scale(&spans[0].curve);
                 return Ok((spans.remove(0), scale));
             }
-            Curve::Pieces(spans) => CurveForm::Nurbs(joined(id, &spans, &DAffine3::IDENTITY)?),
+            Curve::Pieces(spans) => CurveForm::Nurbs(joined(id, &spans)?),
         };
-        let scale = parameter_scale(&curve, self.units.angle);
+        let scale = self.parameter_scale(&curve);
         let range = whole_range(&curve).unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
         Ok((CurveSpan { curve, range }, scale))
     }
@@ -196,7 +196,9 @@ impl Shapes<'_, '_> {
         let v = [args.number()?, args.number()?].map(|t| t * basis.scale[1]);
         let senses = [args.flag()?, args.flag()?];
         let (periods, limits) = (basis.form.periods(self.units.tolerance), basis.form.limits());
-        basis.domain = Some([within(u, senses[0], periods[0], limits[0]), within(v, senses[1], periods[1], limits[1])]);
+        // A parameter that runs against ours is passed through the other way.
+        let upward = [0, 1].map(|axis| senses[axis] == (basis.scale[axis] > 0.0));
+        basis.domain = Some([within(u, upward[0], periods[0], limits[0]), within(v, upward[1], periods[1], limits[1])]);
         if basis.domain.is_some_and(|d| d.iter().any(|[a, b]| a >= b)) {
             return bad(id, "trimmed to nothing");
         }
@@ -223,9 +225,4 @@ fn within([from, to]: [f64; 2], sense: bool, period: Option<f64>, [least, most]:
     // Far from the first turn there are few digits left.
     let start = if low.abs() > 16.0 * period { low.rem_euclid(period) } else { low };
     [start, start + if turn { period } else { length }]
-}
-
-/// Parameters of conics are angles.
-fn parameter_scale(curve: &CurveForm, angle: f64) -> f64 {
-    if matches!(curve, CurveForm::Ellipse { .. }) { angle } else { 1.0 }
 }

@@ -1,7 +1,9 @@
 //! The stages against definitions written anew: exact integers, brute force, dense sampling.
 
 mod cull;
+mod deviation;
 mod grid;
+mod near;
 mod newton;
 mod raster;
 mod strokes;

@@ -3,6 +3,7 @@
 mod analytic;
 mod freeform;
 mod measure;
+mod sections;
 mod windows;
 
 use super::*;

@@ -1,0 +1,201 @@
+//! Part of shade: which triangles come near to given pixels, and so high there that their surface may be nearer to the eye
+//! than some depth.
+//!
+//! A surface point under a pixel's centre has its triangle's point of the same parameters within the grid's deviation, on
+//! the screen and in depth. So all triangles are drawn once more, wider by that, on the pixels in question alone.
+
+use super::evaluate::{Meshlet, SUBPIXELS, Vertex};
+use super::fill::Filled;
+use super::rasterize::{BAND, Bins, Triangle, pixel_range, span};
+use super::settle::EXACT;
+use super::shade::Shader;
+use super::topology::{triangle_index, triangles, word};
+use super::trim_cut;
+use rayon::prelude::*;
+use std::ops::Range;
+
+const HALF: i64 = SUBPIXELS as i64 / 2;
+/// What rounding may take of a stored depth, as a share of it.
+const ROUNDING: f64 = 1e-6;
+
+/// A triangle near a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Candidate {
+    pub leaf: u32,
+    /// Number of the pixel in its band's list.
+    pub slot: u32,
+    /// As a visibility word without depth.
+    pub word: u64,
+}
+
+/// Calls `settle` for each band of the image that has some of `pixels`, sorted by place in the image, with these pixels
+/// and all candidates, sorted; hands on what it returns, a value a pixel, in order. `behind`: the stored depth, by pixel,
+/// that a surface has to be nearer than.
+pub(super) fn by_band<T: Send>(
+    shader: &Shader,
+    pixels: &[Filled],
+    behind: &[f32],
+    settle: impl Fn(Range<usize>, &[Candidate]) -> Vec<T> + Sync,
+) -> Vec<T> {
+    let [width, height] = shader.lens.size;
+    let meshlets = &shader.meshlets.meshlets;
+    let bins = Bins::new(meshlets, 0..meshlets.len() as u32, (height as usize).div_ceil(BAND));
+    let from = |row: u32| pixels.partition_point(|f| f.pixel < row * width);
+    let band = |k: usize| {
+        let rows = [k * BAND, ((k + 1) * BAND).min(height as usize)].map(|row| row as u32);
+        let range = from(rows[0])..from(rows[1]);
+        if range.is_empty() {
+            return Vec::new();
+        }
+        let mut wanted = Wanted { shader, first: rows[0], rows: Vec::new(), found: Vec::new() };
+        let place = |f: &Filled, &behind: &f32| (f.pixel % width, behind);
+        for row in rows[0]..rows[1] {
+            let range = from(row)..from(row + 1);
+            let behind = &behind[range.clone()];
+            let start = (range.start - from(rows[0])) as u32;
+            wanted.rows.push((start, pixels[range].iter().zip(behind).map(|(f, b)| place(f, b)).collect()));
+        }
+        for &number in bins.of(k) {
+            wanted.meshlet(number);
+        }
+        wanted.found.sort_unstable();
+        settle(range, &wanted.found)
+    };
+    (0..(height as usize).div_ceil(BAND)).into_par_iter().flat_map_iter(band).collect()
+}
+
+/// One band's pixels.
+struct Wanted<'a> {
+    shader: &'a Shader<'a>,
+    /// The band's first row.
+    first: u32,
+    /// By row: number of its first pixel, and columns with the depths to be nearer than.
+    rows: Vec<(u32, Vec<(u32, f32)>)>,
+    found: Vec<Candidate>,
+}
+
+impl Wanted<'_> {
+    fn meshlet(&mut self, number: u32) {
+        let Shader { scene, lens, meshlets, leaves, grids, .. } = *self.shader;
+        let meshlet = &meshlets.meshlets[number as usize];
+        let leaf = &leaves[meshlet.leaf as usize];
+        let [pixels, depth] = grids[meshlet.leaf as usize].deviation.map(f64::from);
+        // Within the model's gap the border stands in for what is missing.
+        let reach = |gap: f64| ((pixels + gap + f64::from(EXACT)) * f64::from(SUBPIXELS)).ceil() as i64;
+        if self.nothing_near(meshlet, reach(trim_cut::MAX_GAP)) {
+            return;
+        }
+        let reach = reach(trim_cut::gaps(scene, lens, leaf)[1]);
+        for a in 0..usize::from(meshlet.quads[0]) {
+            for b in 0..usize::from(meshlet.quads[1]) {
+                for (k, corners) in triangles(a, b, meshlet.diagonal).into_iter().enumerate() {
+                    let vertices = corners.map(|[i, j]| meshlets.vertices[meshlet.vertex(i, j)]);
+                    let word = word(0.0, number, triangle_index(meshlet, a, b) + k as u32);
+                    self.triangle(&vertices, reach, depth, Candidate { leaf: meshlet.leaf, slot: 0, word });
+                }
+            }
+        }
+    }
+
+    /// No pixel lies in the box of the meshlet's vertices.
+    fn nothing_near(&self, meshlet: &Meshlet, reach: i64) -> bool {
+        let count = (usize::from(meshlet.quads[0]) + 1) * (usize::from(meshlet.quads[1]) + 1);
+        let vertices = &self.shader.meshlets.vertices[meshlet.vertices as usize..][..count];
+        let range = |of: fn(&Vertex) -> i32| {
+            vertices.iter().map(of).fold((i64::MAX, i64::MIN), |(l, h), c| (l.min(c.into()), h.max(c.into())))
+        };
+        let (x, y) = (range(|v| v.x), range(|v| v.y));
+        let [x, y] = [x, y].map(|(low, high)| pixel_range(low - reach, high + reach));
+        self.rows_of(y).all(|(_, row)| columns(&self.rows[row].1, x).is_empty())
+    }
+
+    /// The band's rows among some of the image's, with their places in the band.
+    fn rows_of(&self, (low, high): (i64, i64)) -> impl Iterator<Item = (i64, usize)> + use<> {
+        let first = i64::from(self.first);
+        (low.max(first)..=high.min(first + self.rows.len() as i64 - 1)).map(move |y| (y, (y - first) as usize))
+    }
+
+    fn triangle(&mut self, vertices: &[Vertex; 3], reach: i64, depth: f64, candidate: Candidate) {
+        let ends = |v: [i32; 3]| {
+            let v = v.map(i64::from);
+            pixel_range(v[0].min(v[1]).min(v[2]) - reach, v[0].max(v[1]).max(v[2]) + reach)
+        };
+        let x = ends(vertices.map(|v| v.x));
+        let mut drawn = None;
+        for (y, row) in self.rows_of(ends(vertices.map(|v| v.y))) {
+            let (start, pixels) = &self.rows[row];
+            let near = columns(pixels, x);
+            if near.is_empty() {
+                continue;
+            }
+            let (t, plane) = drawn.get_or_insert_with(|| {
+                let t = Triangle::new(vertices);
+                (t, Plane::new(&t, reach))
+            });
+            let at = pixels[near.start].0.into();
+            let Some(ends) = within(t, reach, y, at, pixels[near.end - 1].0.into()) else { continue };
+            for k in columns(pixels, ends) {
+                let (x, behind) = pixels[k];
+                if plane.nearest(x.into(), y) > self.shader.farther(behind, depth) {
+                    self.found.push(Candidate { slot: start + k as u32, ..candidate });
+                }
+            }
+        }
+    }
+}
+
+/// The places of some columns in a row's sorted list.
+fn columns(row: &[(u32, f32)], (low, high): (i64, i64)) -> Range<usize> {
+    let start = row.partition_point(|&(x, _)| i64::from(x) < low);
+    start..start + row[start..].partition_point(|&(x, _)| i64::from(x) <= high)
+}
+
+/// The columns from `low` to `high` of row `y` whose pixels' centres have the triangle within `reach`, in x and in y: the
+/// separating axes of the two are the square's sides, which are done with, and the edges' normals.
+pub(super) fn within(t: &Triangle, reach: i64, y: i64, low: i64, high: i64) -> Option<(i64, i64)> {
+    let subpixels = i64::from(SUBPIXELS);
+    let way = |k: usize| [t.x[(k + 1) % 3] - t.x[k], t.y[(k + 1) % 3] - t.y[k]];
+    let start = std::array::from_fn(|k| {
+        let [dx, dy] = way(k);
+        t.edge(k, low * subpixels + HALF, y * subpixels + HALF) + reach * (dx.abs() + dy.abs())
+    });
+    let step = std::array::from_fn(|k| -way(k)[1] * subpixels);
+    span(start, step, high - low).map(|(from, to)| (low + from, low + to))
+}
+
+/// A triangle's stored depth, affine on the screen.
+pub(super) struct Plane {
+    /// At corner 0, and by sub-pixel in x and in y.
+    origin: [i64; 2],
+    depth: f64,
+    slope: [f64; 2],
+    /// The nearest of its corners.
+    most: f64,
+    reach: f64,
+}
+
+impl Plane {
+    pub fn new(t: &Triangle, reach: i64) -> Self {
+        let d = t.depth.map(f64::from);
+        let [ux, uy, vx, vy] = [t.x[1] - t.x[0], t.y[1] - t.y[0], t.x[2] - t.x[0], t.y[2] - t.y[0]].map(|c| c as f64);
+        let (du, dv) = (d[1] - d[0], d[2] - d[0]);
+        Self {
+            origin: [t.x[0], t.y[0]],
+            depth: d[0],
+            slope: [du * vy - dv * uy, dv * ux - du * vx].map(|s| s / t.area as f64),
+            most: d[0].max(d[1]).max(d[2]),
+            reach: reach as f64,
+        }
+    }
+
+    /// The nearest depth of the triangle within reach of a pixel's centre, or more.
+    pub fn nearest(&self, x: i64, y: i64) -> f64 {
+        let subpixels = i64::from(SUBPIXELS);
+        let [dx, dy] = [x * subpixels + HALF - self.origin[0], y * subpixels + HALF - self.origin[1]];
+        let [sx, sy] = self.slope;
+        let most = self.depth + sx * dx as f64 + sy * dy as f64 + (sx.abs() + sy.abs()) * self.reach;
+        // Seen edge-on it has no slope.
+        let most = if most < self.most { most } else { self.most };
+        most + most.abs() * ROUNDING
+    }
+}
