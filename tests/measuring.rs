@@ -95,7 +95,7 @@ fn the_other_suites_run() {
     let prefix = folder.prefix();
     let sphere = ["builtin:sphere", "--size", "64x48"];
     halfpixel(&[&["bench", "quads"], &sphere[..], &["--views", "iso", "--zooms", "1", "-o", &prefix]].concat());
-    assert_eq!(count(&folder.json()["rows"]), 12);
+    assert_eq!(count(&folder.json()["rows"]), 22);
     halfpixel(&[&["bench", "speed"], &sphere[..], &["--frames", "2", "-o", &prefix]].concat());
     assert!(folder.read("out.md").contains("geometry (estimate to fill)"));
     let cases =
