@@ -16,6 +16,10 @@ use glam::{DVec3, DVec4, Vec4};
 pub(super) struct Constraints {
     list: [[[f64; 3]; Self::CAPACITY]; 2],
     count: [usize; 2],
+    /// Where those on depth begin: the ones before are on pixels.
+    depth: [usize; 2],
+    /// A direction in which the leaf is narrower than the tolerance has none.
+    narrow: bool,
 }
 
 /// What a bound looks at.
@@ -39,7 +43,7 @@ impl Constraints {
     const CAPACITY: usize = 10;
 
     pub fn new() -> Self {
-        Self { list: [[[0.0; 3]; Self::CAPACITY]; 2], count: [0; 2] }
+        Self { list: [[[0.0; 3]; Self::CAPACITY]; 2], count: [0; 2], depth: [0; 2], narrow: false }
     }
 
     pub fn of(&self, diagonal: usize) -> &[[f64; 3]] {
@@ -51,6 +55,15 @@ impl Constraints {
             self.list[diagonal][self.count[diagonal]] = constraint;
             self.count[diagonal] += 1;
         }
+    }
+
+    /// The largest shares of the tolerances, in pixels and in depth, that a grid uses up.
+    fn shares(&self, grid: &Tessellation) -> [f64; 2] {
+        let diagonal = usize::from(grid.diagonal);
+        let (pixels, depth) = self.of(diagonal).split_at(self.depth[diagonal]);
+        let [nu, nv] = grid.quads.map(f64::from);
+        let share = |[a, b, c]: &[f64; 3]| a / (nu * nu) + b / (nu * nv) + c / (nv * nv);
+        [pixels, depth].map(|list| list.iter().map(share).fold(0.0, f64::max))
     }
 
     /// At least `sqrt(pieces)` quads in each direction.
@@ -124,7 +137,10 @@ fn screen(subject: &Subject) -> Constraints {
     let z_min = if lens.perspective { subject.z_min() } else { 1.0 };
     let unit = 1.0 / (8.0 * tolerance * z_min);
     for axis in 0..2 {
-        let Some(ends) = subject.ends(axis) else { continue };
+        let Some(ends) = subject.ends(axis) else {
+            out.narrow = true;
+            continue;
+        };
         // Without perspective the direction does not depend on the pixel.
         let ends = if lens.perspective { &ends[..] } else { &ends[..1] };
         for &xi in ends {
@@ -132,13 +148,35 @@ fn screen(subject: &Subject) -> Constraints {
             signed(&mut out, subject.enclosure, map.axes[axis] * lens.scale - map.axes[2] * tilt, unit);
         }
     }
+    out.depth = out.count;
     signed(&mut out, subject.enclosure, map.axes[2], 1.0 / (8.0 * subject.depth_tolerance));
     out
 }
 
-/// What a grid is off by at most: pixels in x and in y, and camera depth in model units. `screen` read the other way
-/// round, for all pixels that see the leaf; affine interpolation.
-pub(super) fn deviation(subject: &Subject, grid: &Tessellation) -> [f64; 2] {
+/// What a grid is off by at most, where it is interpolated as its bound has it: pixels in x and in y, and camera depth in
+/// model units. `None`: the bound says no more than that the tolerances are kept.
+pub(super) fn deviation(bound: Bound, subject: &Subject, used: &Constraints, grid: &Tessellation) -> Option<[f64; 2]> {
+    let (tolerance, depth_tolerance) = (subject.tolerance, subject.depth_tolerance);
+    match bound {
+        Bound::Screen if !used.narrow => {
+            let [pixels, depth] = used.shares(grid);
+            let depth = depth * depth_tolerance;
+            // The constraints are for pixels up to a tolerance farther in than some that see the leaf: `tilt` times depth.
+            let tilt = if subject.lens.perspective { depth / subject.z_min() } else { 0.0 };
+            Some([(pixels + tilt) * tolerance, depth])
+        }
+        Bound::Screen | Bound::Filip => Some(affine_deviation(subject, grid)),
+        Bound::Eter => {
+            // A smaller error projects to less than its share of the tolerance: the projection is convex in it.
+            let share = eter_within(subject, isotropic_epsilon(subject), 0.0).shares(grid)[1];
+            Some([share * tolerance, share * depth_tolerance])
+        }
+        Bound::Projective | Bound::Slefe => None,
+    }
+}
+
+/// `screen` read the other way round, for all pixels that see the leaf.
+fn affine_deviation(subject: &Subject, grid: &Tessellation) -> [f64; 2] {
     let Subject { leaf, lens, map, enclosure, .. } = *subject;
     let (mut pixels, mut depth) = (Constraints::new(), Constraints::new());
     let z_min = if lens.perspective { subject.z_min() } else { 1.0 };
@@ -151,11 +189,7 @@ pub(super) fn deviation(subject: &Subject, grid: &Tessellation) -> [f64; 2] {
         }
     }
     signed(&mut depth, enclosure, map.axes[2], 1.0 / 8.0);
-    let [nu, nv] = grid.quads.map(f64::from);
-    [pixels, depth].map(|constraints| {
-        let shares = constraints.of(grid.diagonal.into()).iter();
-        shares.map(|[a, b, c]| a / (nu * nu) + b / (nu * nv) + c / (nv * nv)).fold(0.0, f64::max)
-    })
+    [pixels, depth].map(|constraints| constraints.shares(grid)[1])
 }
 
 /// Both signs of one direction: the sign and diagonal refinement of section 2.
@@ -206,16 +240,22 @@ fn axis_scale(map: &PatchMap) -> f64 {
 
 /// M1: ETER section 4.1 with Zheng and Sederberg's bound on homogeneous second derivatives, about the box centre.
 fn eter(subject: &Subject) -> Constraints {
+    let epsilon = isotropic_epsilon(subject);
+    eter_within(subject, epsilon, epsilon)
+}
+
+/// The same, in terms of the share of `epsilon` that is used up; points are within `drawn_in` of where their net allows.
+fn eter_within(subject: &Subject, epsilon: f64, drawn_in: f64) -> Constraints {
     let net = subject.net;
-    let epsilon = isotropic_epsilon(subject) / axis_scale(subject.map);
+    let [epsilon, drawn_in] = [epsilon, drawn_in].map(|e| e / axis_scale(subject.map));
     let (low, high) = net.hull().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
     let origin = (low + high) * 0.5;
     let radius = net.hull().map(|p| p.distance(origin)).fold(0.0, f64::max);
     let mut out = Constraints::new();
-    if epsilon >= 2.0 * radius {
+    if drawn_in >= 2.0 * radius {
         return out;
     }
-    let reach = (radius - epsilon).max(0.0);
+    let reach = (radius - drawn_in).max(0.0);
     let size = |d: DVec4| (d.truncate() - origin * d.w).length() + reach * d.w.abs();
     let [uu, uv, vv] = second_differences(net, size);
     let w_min = net.points().iter().map(|p| p.w).fold(f64::INFINITY, f64::min);

@@ -2,7 +2,7 @@
 
 use super::bounds::{Constraints, Subject, constraints, deviation};
 use super::cull::{Culler, Leaf, Leaves};
-use super::{Bound, Grid, RenderError};
+use super::{Grid, RenderError};
 use glam::Vec4;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -186,9 +186,7 @@ fn grid_of(culler: &Culler, leaf: &Leaf, projected: &[Vec4]) -> Result<Result<Te
     if grid.all_quads() > MAX_QUADS {
         return too_large(culler, leaf, &constraints);
     }
-    // The other bounds certify another interpolation, or nothing: the tolerance is all that is known.
-    if matches!(options.bound, Bound::Screen | Bound::Filip) {
-        let [pixels, depth] = deviation(&subject, &grid);
+    if let Some([pixels, depth]) = deviation(options.bound, &subject, &constraints, &grid) {
         let least = |real: f64, allowed: f64| if real < allowed { real } else { allowed };
         let pixels = SNAPPING + leaf.rounding + least(pixels, tolerance);
         grid.deviation = [pixels, least(depth, subject.depth_tolerance)].map(|d| (d as f32).next_up());

@@ -21,6 +21,10 @@ use rayon::prelude::*;
 pub(super) const EXACT: f32 = 1.0 / 128.0;
 /// Derivatives of what a grid is off by, a quad's side, for each pixel of it.
 const STEEPEST: f64 = 8.0;
+/// Starts nearer to each other than this part of a quad, in both parameters, lead to the same point: nearest points, which
+/// neighbouring triangles have in common, and corners.
+const POINTS_APART: f32 = 0.25;
+const CORNERS_APART: f32 = 0.75;
 /// What the contract allows a filled pixel.
 const HALF_PIXEL: f32 = 0.5;
 
@@ -114,14 +118,20 @@ struct Start {
 fn add_starts(shader: &Shader, near: &[Candidate], pixel: u32, starts: &mut Vec<Start>) {
     let Tessellation { quads, deviation, .. } = shader.grids[near[0].leaf as usize];
     let first = starts.len();
+    let is_new = |starts: &[Start], parameters: [f32; 2], apart: f32| {
+        let steps = |k: usize, s: &Start| (s.parameters[k] - parameters[k]).abs() * quads[k] as f32;
+        !starts[first..].iter().any(|s| (0..2).all(|k| steps(k, s) <= apart))
+    };
     for &Candidate { leaf, slot, word } in near {
-        starts.push(Start { slot, triangle: word, parameters: shader.interpolated(leaf, word, pixel) });
+        let parameters = shader.interpolated(leaf, word, pixel);
+        if is_new(starts, parameters, POINTS_APART) {
+            starts.push(Start { slot, triangle: word, parameters });
+        }
         if !may_fold(shader, word, deviation[0]) {
             continue;
         }
         for parameters in corner_parameters(shader.meshlets, quads, word) {
-            // Neighbours have corners in common.
-            if starts[first..].iter().all(|s| s.parameters != parameters) {
+            if is_new(starts, parameters, CORNERS_APART) {
                 starts.push(Start { slot, triangle: word, parameters });
             }
         }

@@ -5,7 +5,7 @@ use crate::scene::{Camera, Scene, View, ViewSpec, prepare};
 use crate::stages::cull::{Culler, Leaf, Leaves};
 use crate::stages::estimate::{Tessellation, estimate};
 use crate::stages::lens::Lens;
-use crate::stages::{Bound, Options};
+use crate::stages::{Bound, Grid, Interpolation, Options};
 use glam::DVec3;
 use std::sync::atomic::AtomicU64;
 
@@ -18,8 +18,8 @@ fn place(scene: &Scene, lens: &Lens, leaf: &Leaf, s: [f64; 2]) -> DVec3 {
     DVec3::new(p.x / lens.denominator(p), p.y / lens.denominator(p), p.z / p.w)
 }
 
-/// The same on the triangle of a quad's corners at (a, b) in it, affine in space.
-fn on_triangle(lens: &Lens, corners: [DVec3; 4], diagonal: u8, [a, b]: [f64; 2]) -> DVec3 {
+/// The same on the triangle of a quad's corners at (a, b) in it, interpolated in space with the corners' weights.
+fn on_triangle(lens: &Lens, corners: [(DVec3, f64); 4], diagonal: u8, [a, b]: [f64; 2]) -> DVec3 {
     // Corners (0,0), (1,0), (1,1), (0,1).
     let weights = match (diagonal, a >= b, a + b <= 1.0) {
         (0, true, _) => [1.0 - a, a - b, b, 0.0],
@@ -28,7 +28,8 @@ fn on_triangle(lens: &Lens, corners: [DVec3; 4], diagonal: u8, [a, b]: [f64; 2])
         _ => [0.0, 1.0 - b, a + b - 1.0, 1.0 - a],
     };
     let space = |p: DVec3| if lens.perspective { DVec3::new(p.x * p.z, p.y * p.z, p.z) } else { p };
-    let p: DVec3 = (0..4).map(|k| space(corners[k]) * weights[k]).sum();
+    let w: f64 = (0..4).map(|k| corners[k].1 * weights[k]).sum();
+    let p: DVec3 = (0..4).map(|k| space(corners[k].0) * (corners[k].1 * weights[k] / w)).sum();
     if lens.perspective { DVec3::new(p.x / p.z, p.y / p.z, p.z) } else { p }
 }
 
@@ -50,8 +51,16 @@ fn check(scene: &Scene, camera: &Camera, options: &Options) -> [f64; 2] {
         let quads = quads.map(|n| n.min(6));
         let at =
             |i: f64, j: f64| place(scene, &lens, leaf, [i / f64::from(grid.quads[0]), j / f64::from(grid.quads[1])]);
+        let weight = |i: f64, j: f64| match options.bound.interpolation() {
+            Interpolation::Affine => 1.0,
+            Interpolation::Projective => {
+                let (net, quads) = (leaf.source(scene).0, grid.quads);
+                net.jet(i / f64::from(quads[0]), j / f64::from(quads[1])).point.w
+            }
+        };
         for (i, j) in (0..quads[0]).flat_map(|i| (0..quads[1]).map(move |j| (f64::from(i), f64::from(j)))) {
-            let corners = [at(i, j), at(i + 1.0, j), at(i + 1.0, j + 1.0), at(i, j + 1.0)];
+            let corner = |i: f64, j: f64| (at(i, j), weight(i, j));
+            let corners = [corner(i, j), corner(i + 1.0, j), corner(i + 1.0, j + 1.0), corner(i, j + 1.0)];
             for (a, b) in (0..=STEPS).flat_map(|a| (0..=STEPS).map(move |b| (a, b))) {
                 let [a, b] = [a, b].map(|c| f64::from(c) / f64::from(STEPS));
                 let (exact, drawn) = (at(i + a, j + b), on_triangle(&lens, corners, diagonal, [a, b]));
@@ -80,11 +89,14 @@ fn surfaces_stay_within_what_their_grids_say() {
         for (view, zoom, orthographic) in [(View::Iso, 1.0, false), (View::Top, 7.0, false), (View::Front, 2.0, true)] {
             let spec = ViewSpec { size: [320, 240], view, zoom, orthographic, ..ViewSpec::default() };
             let camera = spec.camera(&scene.bounds).expect("a camera");
-            for (bound, tolerance) in [(Bound::Screen, 0.5), (Bound::Filip, 0.2), (Bound::Screen, 3.0)] {
+            let bounds = [(Bound::Screen, 0.5), (Bound::Filip, 0.2), (Bound::Screen, 3.0), (Bound::Eter, 0.5)];
+            for (bound, tolerance) in bounds {
                 let options = Options { bound, tolerance, ..Options::default() };
                 let found = check(&scene, &camera, &options);
                 largest = [0, 1].map(|k| largest[k].max(found[k]));
             }
+            let options = Options { bound: Bound::Eter, grid: Grid::Eter, ..Options::default() };
+            check(&scene, &camera, &options);
         }
     }
     // The bound is sharp enough to be of use.
