@@ -15,13 +15,21 @@ pub(super) const NEAR_FOLD: f32 = 1.0 / 16.0;
 /// Leaf parameters that a parabola is trusted for.
 const FAR: f32 = 0.25;
 const TINY: f32 = 1e-30;
+/// Derivatives are off by the degree times what a point is off by; times four, to be sure.
+const DERIVATIVE_ROUNDING: f32 = 4.0;
 
 /// `seen + unseen f + bend f²` for fractions f of the unseen part.
+///
+/// On the fold itself the unseen part's length is rounding: there its direction alone is used, as far as a parabola goes.
 pub(super) struct FoldStep<S: Simd> {
     seen: [f32x8<S>; 2],
     unseen: [f32x8<S>; 2],
     bend: [f32x8<S>; 2],
     fraction: f32x8<S>,
+    /// The largest fraction, and what of `across` the whole unseen part should remove: one, and one; on the fold nothing
+    /// is known of either.
+    limit: f32x8<S>,
+    linear: f32x8<S>,
     /// The seen direction in the parameter plane, and its image in pixels.
     v: [f32x8<S>; 2],
     image: [f32x8<S>; 2],
@@ -59,8 +67,12 @@ pub(super) fn fold_step<S: Simd>(
         let ahead = unseen[k].simd_gt(zero).select(high - seen[k], seen[k] - low);
         ahead.min(f32x8::splat(simd, FAR)) / (unseen[k].abs() + TINY)
     };
-    let fraction = room(0).min(room(1)).min(f32x8::splat(simd, 1.0));
     let det = a * d - b * c;
+    let degree = surface.degree[0].max(surface.degree[1]) as f32;
+    let on_fold = det.abs().simd_lt(largest.sqrt() * (surface.rounding * degree * DERIVATIVE_ROUNDING));
+    let one = f32x8::splat(simd, 1.0);
+    let limit = on_fold.select(f32x8::splat(simd, f32::MAX), one);
+    let fraction = room(0).min(room(1)).min(limit);
     FoldStep {
         near: (det * det).simd_lt(largest * largest * NEAR_FOLD) & fraction.simd_gt(zero),
         across: image[0] * ry - image[1] * rx,
@@ -68,6 +80,8 @@ pub(super) fn fold_step<S: Simd>(
         seen,
         unseen,
         fraction,
+        limit,
+        linear: on_fold.select(zero, one),
         v,
         image,
     }
@@ -87,19 +101,19 @@ pub(super) fn trial<S: Simd>(simd: S, step: &FoldStep<S>, surface: &Surface) -> 
 #[simd]
 pub(super) fn shorten<S: Simd>(simd: S, step: FoldStep<S>, rx: f32x8<S>, ry: f32x8<S>, solve: bool) -> FoldStep<S> {
     let zero = f32x8::splat(simd, 0.0);
-    let FoldStep { image, fraction, across, v, bend, .. } = step;
+    let FoldStep { image, fraction, across, v, bend, limit, linear, .. } = step;
     let by_square = 1.0 / (fraction * fraction);
     // Along the image nothing should be left; across it, what the fraction leaves of the linear part.
     let along = (image[0] * rx + image[1] * ry) * by_square / (image[0] * image[0] + image[1] * image[1] + TINY);
-    let curvature = (across * (1.0 - fraction) - (image[0] * ry - image[1] * rx)) * by_square;
-    // across (1 - f) = curvature f²; without a solution, the nearest that there is: the fold.
-    let inside = across * (across + curvature * 4.0);
-    let root = across * 2.0 / (across + inside.max(zero).sqrt().copysign(across));
-    let best = inside.simd_ge(zero).select(root, across / (curvature * -2.0));
+    let curvature = (across * (1.0 - linear * fraction) - (image[0] * ry - image[1] * rx)) * by_square;
+    // across (1 - linear f) = curvature f²; without a solution, the nearest that there is: the fold.
+    let inside = across * (across * linear + curvature * 4.0);
+    let root = across * 2.0 / (across * linear + inside.max(zero).sqrt().copysign(across));
+    let best = inside.simd_ge(zero).select(root, across * linear / (curvature * -2.0));
     // Also where there is no number to be had.
     let best = best.simd_ge(fraction * 0.02).select(best, fraction * 0.25);
     FoldStep {
-        fraction: if solve { best.min(fraction * 1.5).min(f32x8::splat(simd, 1.0)) } else { fraction * 0.25 },
+        fraction: if solve { best.min(fraction * 1.5).min(limit) } else { fraction * 0.25 },
         bend: [bend[0] + v[0] * along, bend[1] + v[1] * along],
         ..step
     }

@@ -26,6 +26,8 @@ pub(super) struct Surface<'a> {
     pub rational: bool,
     pub perspective: bool,
     pub depth_origin: f32,
+    /// What rounding may move a point, in pixels.
+    pub rounding: f32,
     /// Parameters of the leaf that lie in its patch: lower and upper ends.
     pub domain: [[f32; 2]; 2],
     /// What the depth may change beyond the surface's own slope, model units.

@@ -161,6 +161,7 @@ impl Shader<'_> {
             rational: self.scene.patches[leaf.patch as usize].rational,
             perspective: self.lens.perspective,
             depth_origin: leaf.depth_origin as f32,
+            rounding: leaf.rounding as f32,
             domain,
             any_sheet: false,
             depth_tolerance: (self.options.depth_tolerance * self.lens.pixel_size(leaf.low.z)) as f32,

@@ -29,6 +29,7 @@ fn surface<'a>(net: &'a [Vec4], degree: [usize; 2], rational: bool) -> Surface<'
         rational,
         perspective: true,
         depth_origin: 10.0,
+        rounding: 2e-4,
         domain: [[0.0, 1.0]; 2],
         depth_tolerance: 1.0,
         any_sheet: false,
@@ -109,4 +110,31 @@ fn what_refinement_reports_is_the_surface_there() {
     }
     // Most centres lie on the patch; the rest are past its border.
     assert!(reached > 700 * LANES * 9 / 10, "{reached}");
+}
+
+/// On the fold itself derivatives say nothing of how far to go, and next to it next to nothing.
+#[test]
+fn refinement_leaves_a_fold_it_starts_on() {
+    let mut random = Random(9);
+    let level = Level::new();
+    // x = 301 + 9 (2 s - 1)^2, y = 200 (t - 1/2), z = s - 1/2: far enough out for rounding to be seen.
+    let place =
+        |i: usize, j: usize| (if i == 1 { 292.0 } else { 310.0 }, (j as f64 - 0.5) * 200.0, (i as f64 - 1.0) * 0.5);
+    let corner = |(x, y, z): (f64, f64, f64)| DVec4::new(x * (z + 10.0), y * (z + 10.0), z, 1.0);
+    let points: Vec<DVec4> = (0..6).map(|k| corner(place(k / 2, k % 2))).collect();
+    let raised = Net::new([2, 1], &points).elevate([3, 3]);
+    let net: Vec<Vec4> = raised.points().iter().map(|p| p.as_vec4()).collect();
+    let surface = surface(&net, [3, 3], false);
+    for _ in 0..2000 {
+        let mut batch = Batch::default();
+        for k in 0..LANES {
+            let beside = random.between(-1.0, 1.0) * 10f64.powf(random.between(-8.0, -4.0));
+            batch.s[k] = (0.5 + beside) as f32;
+            batch.t[k] = random.between(0.2, 0.8) as f32;
+            batch.x[k] = 301.0 + 10f64.powf(random.between(-2.0, 0.5)) as f32;
+            batch.y[k] = (batch.t[k] - 0.5) * 200.0 + random.between(-0.2, 0.2) as f32;
+        }
+        dispatch!(level, simd => refine(simd, &surface, 2, &mut batch));
+        assert!(batch.residual.iter().all(|&r| r < 1.0 / 256.0), "{batch:?}");
+    }
 }
