@@ -258,7 +258,7 @@ impl<'a> Renderer<'a> {
         let PatchTrim { tree, rim, .. } = self.scene.patches[leaf.patch as usize].trim;
         let ends = options.trim != Trim::Off && (tree.is_some() || rim);
         let gap = ends.then(|| gaps(self.scene, lens, leaf)[1]);
-        Pen::new(leaf, grid, options.tolerance, options.refine > 0, gap)
+        Pen::new(leaf, grid, options, gap)
     }
 
     fn take_targets(&mut self, size: [u32; 2]) -> Targets {

@@ -6,6 +6,7 @@ use super::estimate::Tessellation;
 use super::evaluate::{SUBPIXELS, Vertex};
 use super::rasterize::{Band, Triangle, pixel_range};
 use super::topology::depth_of;
+use super::{Bound, Options};
 
 const HALF: i64 = SUBPIXELS as i64 / 2;
 /// Depth is pushed back by a pen's width of slope and this many pixels.
@@ -23,18 +24,22 @@ pub(super) struct Pen {
 }
 
 impl Pen {
-    /// What the leaf's own grid is off by, and at most half the tolerance: every gap point between two grids is that near
-    /// to an edge of one of them (research "crack-closing"; the two are off a common curve by no more than they are each).
-    /// Half a sub-pixel of snapping for each of the two borders, and their rounding.
+    /// What the leaf's own grid is off by: two grids that both reach their common curve leave no gap. Where a bound tells no
+    /// more than the tolerance, or fragments stay as they are, half of that: every gap point is so near to an edge of one of the two (research
+    /// "crack-closing"). Not the lesser of the two: a fine grid's short reach and half a tolerance may not meet. Half a
+    /// sub-pixel of snapping for each of the two borders, and their rounding.
     ///
     /// Folds only propose pixels: without `refine` nobody could tell which of them the surface covers.
     ///
     /// Where the face ends or is cut, nothing comes to meet it from the other side: `rim` is the model's own gap there in
     /// pixels, to be reached over on top of all that the grid is off by. These, too, only propose pixels.
-    pub fn new(leaf: &Leaf, grid: &Tessellation, tolerance: f64, refine: bool, rim: Option<f64>) -> Self {
+    pub fn new(leaf: &Leaf, grid: &Tessellation, options: &Options, rim: Option<f64>) -> Self {
+        let (tolerance, refine) = (options.tolerance, options.refine > 0);
         let subpixels = f64::from(SUBPIXELS);
         let off = f64::from(grid.deviation[0]);
-        let shared = off.min(0.5 * (tolerance - 0.5 / subpixels - leaf.rounding).max(0.0) + leaf.rounding);
+        let tells = matches!(options.bound, Bound::Screen | Bound::Filip | Bound::Eter);
+        let half = 0.5 * (tolerance - 0.5 / subpixels - leaf.rounding).max(0.0) + leaf.rounding;
+        let shared = if refine && tells { off } else { half };
         let radius = |reach: f64| (subpixels * reach + 0.5).ceil() as i64;
         let gap = rim.unwrap_or(0.0);
         Self {
