@@ -57,17 +57,6 @@ fn what_is_shown_is_visible_within_half_a_pixel() {
     assert_eq!(report.covering_failures, 0, "{:?}", report.worst);
 }
 
-/// One pixel in 300,000 at worst, in three of 21 views of this file: a wall is seen nearly along, its grid reaches up to
-/// half a pixel beyond its border, and refinement stops at the border, where another face hides it. What lies exactly
-/// under the centre is farther away, and can't be told from what shines through a gap of the model, which the wall closes.
-#[test]
-#[ignore = "a pixel at walls seen along shows one that is hidden"]
-fn walls_end_where_they_are_hidden() {
-    let Some(model) = real("NIST_MBE_PMI_2.stp") else { return };
-    let report = judged_model(&model, ViewSpec { size: [640, 480], view: View::Left, ..ViewSpec::default() });
-    assert_eq!(report.covering_failures, 0, "{:?}", report.worst);
-}
-
 /// With an eye 1e5 model sizes away, near / z spreads the whole model over some 300 f32 values next to 1, and sheets
 /// that are farther apart than the depth tolerance change places. An affine depth about the model would keep them.
 #[test]
@@ -103,4 +92,13 @@ fn a_bad_number_is_named() {
     let error =
         read(b"1\n1 1\n0 0 0\n1 0 0\n0 1 0\nnan 1 0\n", Path::new("a.bpt")).expect_err("not a number").to_string();
     assert!(error.contains("line 6"), "{error}");
+}
+
+/// Four pixels in 108 such pictures: the shown point lies up to a fifth of a pixel beside the centre, where refinement
+/// stayed, and no start of the search led to the sheet that is nearer there.
+#[test]
+#[ignore = "one pixel of a heap shows a point beside its centre, and behind what is there"]
+fn the_search_finds_every_sheet_of_a_heap() {
+    let report = support::heap::judged(30_000, 2.5, 2, View::Top, true);
+    assert_eq!([report.violations, report.cracks, report.depth_failures], [0; 3], "{:?}", report.worst);
 }

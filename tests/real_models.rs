@@ -43,3 +43,10 @@ fn steep_walls_meet_trimmed_planes() {
 fn edges_of_hidden_faces_may_be_shown() {
     keeps_the_contract("kicad_Molex_SlimStack_54722-0804_2x40.step", View::Left, 8.0);
 }
+
+/// A wall is seen nearly along and its grid reaches beyond its border, where refinement stops and another face hides it:
+/// the pixel goes to what lies exactly under its centre.
+#[test]
+fn walls_end_where_they_are_hidden() {
+    keeps_the_contract("NIST_MBE_PMI_2.stp", View::Left, 1.0);
+}

@@ -2,7 +2,7 @@
 
 use super::net::{FEW, casteljau, check_points, elevate_line, restrict_line};
 use super::{GeometryError, Knots, MAX_DEGREE};
-use glam::{DVec3, DVec4};
+use glam::{DVec2, DVec3, DVec4};
 
 /// A rational Bézier curve over [0, 1], homogeneous points `(wx, wy, wz, w)`; its degree is one less than their number.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,4 +179,12 @@ impl NurbsCurve {
             })
             .collect()
     }
+}
+
+/// Squared distance of a point from the straight line between two others.
+pub fn distance2_from_line(p: DVec2, [a, b]: [DVec2; 2]) -> f64 {
+    let way = b - a;
+    let share = ((p - a).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+    // Both ends in one place: no way to go.
+    p.distance_squared(if share.is_nan() { a } else { a + way * share })
 }

@@ -18,7 +18,7 @@ mod triangle;
 mod trimmed_area;
 
 pub use area::{Estimate, patch_area, rough_patch_area};
-pub use curve::{BezierCurve, CurvePiece, NurbsCurve};
+pub use curve::{BezierCurve, CurvePiece, NurbsCurve, distance2_from_line};
 pub use error::GeometryError;
 pub use forms::{Axis, Chart, CurveForm, CurveSpan, Pole, SurfaceForm};
 pub use knots::Knots;

@@ -6,6 +6,7 @@ mod enclosure;
 mod prepare;
 mod trim_build;
 mod trim_faces;
+mod trim_lines;
 mod trim_segment;
 mod trim_tree;
 
@@ -13,6 +14,7 @@ pub use camera::{Camera, CameraError, MAX_SIDE, Projection, View, ViewSpec};
 pub use closure::visible_sides;
 pub use enclosure::{enclose, normal_cone};
 pub use prepare::{PrepareError, prepare};
+pub use trim_lines::Window;
 pub use trim_segment::ParameterBox;
 pub use trim_tree::{Region, TrimTree, Trims};
 

@@ -84,6 +84,11 @@ impl Segment {
         ParameterBox::around(self.ends)
     }
 
+    /// Its homogeneous points `(wu, wv, w)`; none where it is straight.
+    pub fn points<'a>(&self, points: &'a [DVec3]) -> &'a [DVec3] {
+        &points[self.first as usize..(self.first + self.count) as usize]
+    }
+
     fn rises(&self) -> bool {
         self.ends[1][0] >= self.ends[0][0]
     }
@@ -94,7 +99,7 @@ impl Segment {
         if self.count == 0 {
             return [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t];
         }
-        let p = homogeneous(&points[self.first as usize..(self.first + self.count) as usize], t);
+        let p = homogeneous(self.points(points), t);
         let bounds = self.bounds();
         [(p.x / p.z).clamp(bounds.low[0], bounds.high[0]), (p.y / p.z).clamp(bounds.low[1], bounds.high[1])]
     }
@@ -200,30 +205,34 @@ impl Segment {
     /// Some point of the segment is carried by `image` into the box of half sizes `half` about the origin; parts are
     /// told apart down to an eighth of it.
     pub fn comes_near(&self, points: &[DVec3], image: &impl Fn([f64; 2]) -> [f64; 3], half: [f64; 3]) -> bool {
-        let inside = |p: [f64; 3]| (0..3).all(|k| p[k].abs() <= half[k]);
-        let mut stack = vec![([0.0, 1.0], self.ends)];
-        while let Some(([ta, tb], [a, b])) = stack.pop() {
-            let corners = [a, b, [a[0], b[1]], [b[0], a[1]]].map(image);
-            let range = |k: usize| {
-                corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c[k]), h.max(c[k])))
-            };
-            let ranges = [0, 1, 2].map(range);
-            // What is not a number is not near.
-            if !(0..3).all(|k| ranges[k].0 <= half[k] && ranges[k].1 >= -half[k]) {
-                continue;
-            }
-            if inside(corners[0]) || inside(corners[1]) {
-                return true;
-            }
-            let t = 0.5 * (ta + tb);
-            if (0..3).all(|k| ranges[k].1 - ranges[k].0 <= 0.125 * half[k]) || t == ta || t == tb {
-                return true;
-            }
-            let p = self.at(points, t);
-            stack.push(([t, tb], [p, b]));
-            stack.push(([ta, t], [a, p]));
+        self.part_comes_near(points, image, half, [0.0, 1.0], self.ends)
+    }
+
+    fn part_comes_near(
+        &self,
+        points: &[DVec3],
+        image: &impl Fn([f64; 2]) -> [f64; 3],
+        half: [f64; 3],
+        [ta, tb]: [f64; 2],
+        [a, b]: [[f64; 2]; 2],
+    ) -> bool {
+        let corners = [a, b, [a[0], b[1]], [b[0], a[1]]].map(image);
+        let range =
+            |k: usize| corners.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c[k]), h.max(c[k])));
+        let ranges = [0, 1, 2].map(range);
+        // What is not a number is not near.
+        if !(0..3).all(|k| ranges[k].0 <= half[k] && ranges[k].1 >= -half[k]) {
+            return false;
         }
-        false
+        let t = 0.5 * (ta + tb);
+        let inside = |p: [f64; 3]| (0..3).all(|k| p[k].abs() <= half[k]);
+        let small = (0..3).all(|k| ranges[k].1 - ranges[k].0 <= 0.125 * half[k]) || t == ta || t == tb;
+        if small || inside(corners[0]) || inside(corners[1]) {
+            return true;
+        }
+        let p = self.at(points, t);
+        self.part_comes_near(points, image, half, [ta, t], [a, p])
+            || self.part_comes_near(points, image, half, [t, tb], [p, b])
     }
 }
 

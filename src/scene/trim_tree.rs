@@ -9,9 +9,10 @@
 //! Cells, segments and their ends are half open: the lower end belongs to them, the upper one doesn't.
 
 use super::trim_build::Builder;
+use super::trim_lines::Window;
 use super::trim_segment::{ParameterBox, Segment, plane_point, split};
 use crate::model::Loop;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Where a box of parameters lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -235,6 +236,22 @@ impl<'a> TrimTree<'a> {
     /// A segment, by its number, meets a closed box.
     pub fn meets(&self, segment: u32, within: &ParameterBox) -> bool {
         self.trims.segments[segment as usize].meets(&self.trims.points, within)
+    }
+
+    /// The lines of a segment, by its number, on the screen: `Segment::lines`.
+    pub fn lines(
+        &self,
+        segment: u32,
+        window: &Window,
+        image: impl Fn(DVec3) -> DVec3,
+        line: &mut impl FnMut([DVec2; 2]),
+    ) -> bool {
+        self.trims.segments[segment as usize].lines(&self.trims.points, window, image, line)
+    }
+
+    /// Largest distance in space between a segment, by its number, and its edge, in the part's units.
+    pub fn gap_of(&self, segment: u32) -> f64 {
+        self.trims.segments[segment as usize].gap
     }
 
     /// Largest gap of the curves that meet a closed box; `None` where none does.

@@ -11,12 +11,13 @@ use super::rasterize::{BAND, rasterize};
 use super::shade::{Shader, shade};
 use super::slefe;
 use super::stats::{Clock, Stats};
-use super::stroke::Pen;
+use super::stroke::{Pen, sags};
 use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
 use super::trim::{textures, trim};
 use super::trim_cut::gaps;
 use super::{Bound, Options, Trim};
 use crate::scene::{Camera, PatchTrim, Scene};
+use glam::Vec4;
 use rayon::prelude::*;
 use std::sync::atomic::AtomicU64;
 use thiserror::Error;
@@ -125,7 +126,8 @@ impl<'a> Renderer<'a> {
         let meshlets = self.evaluate(&lens, options, &leaves, &grids)?;
         clock.stage("evaluate");
         let mut targets = self.take_targets(camera.size);
-        let pens = (leaves.leaves.iter().zip(&grids)).map(|(leaf, grid)| self.pen(&lens, options, leaf, grid));
+        let pens =
+            (leaves.leaves.iter().zip(&grids)).map(|(leaf, grid)| self.pen(&lens, options, leaf, grid, &leaves.nets));
         let pens: Vec<Pen> = pens.collect();
         rasterize(&meshlets, &pens, options, camera.size, &mut targets);
         clock.stage("rasterize");
@@ -254,11 +256,12 @@ impl<'a> Renderer<'a> {
         Ok(all)
     }
 
-    fn pen(&self, lens: &Lens, options: &Options, leaf: &Leaf, grid: &Tessellation) -> Pen {
+    fn pen(&self, lens: &Lens, options: &Options, leaf: &Leaf, grid: &Tessellation, nets: &[Vec4]) -> Pen {
         let PatchTrim { tree, rim, .. } = self.scene.patches[leaf.patch as usize].trim;
         let ends = options.trim != Trim::Off && (tree.is_some() || rim);
         let gap = ends.then(|| gaps(self.scene, lens, leaf)[1]);
-        Pen::new(leaf, grid, options, gap)
+        let net = &nets[leaf.net as usize..leaf.net as usize + leaf.points()];
+        Pen::new(leaf, grid, options, gap, sags(leaf, net, lens.perspective))
     }
 
     fn take_targets(&mut self, size: [u32; 2]) -> Targets {

@@ -23,6 +23,7 @@ mod stroke;
 mod topology;
 mod trim;
 mod trim_cut;
+mod trim_marks;
 mod trim_quad;
 mod trim_texture;
 

@@ -131,16 +131,18 @@ pub(super) fn outlines(meshlets: &Meshlets, number: u32, pens: &[Pen], fill: Fil
     let pen = &pens[meshlet.leaf as usize];
     if pen.fold > 0 {
         folds(meshlets, number, pen, band);
+        turned_away(meshlets, number, pen, band);
     }
     for side in (0..4).filter(|side| meshlet.outer >> side & 1 == 1) {
         for k in 0..if side < 2 { across_v } else { across_u } {
             let corners = edge(meshlet, side, k).map(at);
             // Edges of sides u = 0 and v = 1 come against the parameters' order.
             let hidden = if matches!(side, 0 | 3) { -meshlet.hidden } else { meshlet.hidden };
-            if faces_away(&corners, hidden) {
+            // The surface behind an edge that may fold is seen from both sides.
+            if faces_away(&corners, hidden) && !pen.may_fold(&corners) {
                 continue;
             }
-            stroke::stroke(&corners, pen, word(0.0, number, edge_index(side, k)), band);
+            stroke::stroke(&corners, side, pen, word(0.0, number, edge_index(side, k)), band);
         }
     }
 }
@@ -176,6 +178,23 @@ fn folds(meshlets: &Meshlets, number: u32, pen: &Pen, band: &mut Band) {
             let beyond = if a + 1 < across_u { Some((meshlet, a + 1)) } else { next_u.map(|m| (m, 0)) };
             if beyond.is_some_and(|(m, a)| here[right] != facing(m, a, b)[left]) {
                 stroke([a + 1, b], [a + 1, b + 1]);
+            }
+        }
+    }
+}
+
+/// Triangles that show the inside of a solid, where the surface may fold and show its outside.
+fn turned_away(meshlets: &Meshlets, number: u32, pen: &Pen, band: &mut Band) {
+    let meshlet = &meshlets.meshlets[number as usize];
+    if meshlet.hidden == 0 {
+        return;
+    }
+    let [across_u, across_v] = meshlet.quads.map(usize::from);
+    for (a, b) in (0..across_u).flat_map(|a| (0..across_v).map(move |b| (a, b))) {
+        for corners in triangles(a, b, meshlet.diagonal) {
+            let corners = corners.map(|[i, j]| meshlets.vertices[meshlet.vertex(i, j)]);
+            if faces_away(&corners, meshlet.hidden) && pen.may_fold(&corners) {
+                stroke::turned_away(&corners, word(0.0, number, FOLD), band);
             }
         }
     }
@@ -309,6 +328,17 @@ impl Coverage {
             let x = if t.y[n] > t.y[k] { x0 } else { x1 };
             let y = if t.x[n] > t.x[k] { y1 } else { y0 };
             t.edge(k, center(x), center(y)) >= self.bias[k]
+        })
+    }
+
+    /// Some pixel, x and y, in a part of `pixels` that the triangle covers.
+    pub fn first(&self, [(x0, x1), (y0, y1)]: [(i64, i64); 2]) -> Option<[i64; 2]> {
+        let t = &self.triangle;
+        let subpixels = SUBPIXELS as i64;
+        let step = std::array::from_fn(|k| -(t.y[(k + 1) % 3] - t.y[k]) * subpixels);
+        (y0..=y1).find_map(|y| {
+            let start = |k: usize| t.edge(k, x0 * subpixels + HALF, y * subpixels + HALF) - self.bias[k];
+            span(std::array::from_fn(start), step, x1 - x0).map(|(from, _)| [x0 + from, y])
         })
     }
 

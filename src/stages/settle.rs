@@ -5,26 +5,23 @@
 //! sticks out past the outline of a surface has none there.
 
 use super::estimate::Tessellation;
-use super::evaluate::SUBPIXELS;
 use super::fill::Filled;
 use super::frame::Targets;
 use super::interpolate::corner_parameters;
 use super::newton::{Batch, LANES, Surface};
-use super::rasterize::Triangle;
 use super::settle_near::{Candidate, by_band};
 use super::shade::Shader;
+use super::stroke::may_fold;
 use super::topology::{Primitive, depth_of, index_of, meshlet_of, primitive, with_depth};
 use super::trim_cut::{self, Cut, keeps};
 use rayon::prelude::*;
 
 /// Pixels between a pixel centre and a projected surface point that count as none.
 pub(super) const EXACT: f32 = 1.0 / 128.0;
-/// Derivatives of what a grid is off by, a quad's side, for each pixel of it.
-const STEEPEST: f64 = 8.0;
 /// Starts nearer to each other than this part of a quad, in both parameters, lead to the same point: nearest points, which
 /// neighbouring triangles have in common, and corners.
 const POINTS_APART: f32 = 0.25;
-const CORNERS_APART: f32 = 0.75;
+const CORNERS_APART: f32 = 0.5;
 /// What the contract allows a filled pixel.
 const HALF_PIXEL: f32 = 0.5;
 
@@ -48,7 +45,9 @@ impl Hit {
 /// Strokes: a pixel goes to the nearest surface exactly under its centre, where that is nearer than what N shows; else
 /// back to N.
 pub(super) fn settle(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Filled>) {
-    let mut hits = nearest_hits(shader, filled, true).into_iter();
+    // N's own surface lies within the depth tolerance of its depth: only what is clearly nearer counts.
+    let behind = filled.par_iter().map(|f| shader.nearer_by_tolerance(depth_of(f.near), 1.0)).collect();
+    let mut hits = nearest_hits(shader, filled, behind, true).into_iter();
     filled.retain_mut(|f| {
         let hit = hits.next().flatten();
         targets.near[f.pixel as usize] = hit.as_ref().map_or(f.near, Hit::word);
@@ -57,13 +56,37 @@ pub(super) fn settle(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fi
     });
 }
 
-/// Pixels whose exact point is not where the depth test took it to be, in image order, each with its exact depth in `near`:
-/// another surface that is nearer under the centre takes them; else the exact depth stands. Those taken join `filled`. A
-/// surface is shown already, so that no gap is to be closed here.
-pub(super) fn resettle(shader: &Shader, targets: &mut Targets, doubts: &[Filled], filled: &mut Vec<Filled>) {
-    for (f, hit) in doubts.iter().zip(nearest_hits(shader, doubts, false)) {
+/// A pixel whose exact point is not where the depth test took it to be: `filled.near` has its exact depth.
+pub(super) struct Doubt {
+    pub filled: Filled,
+    pub kind: DoubtKind,
+}
+
+/// How well a point is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum DoubtKind {
+    /// Under the pixel's centre, but elsewhere in depth.
+    Deep,
+    /// Not under the centre.
+    Beside,
+    /// Not under the centre, since the patch ends before.
+    Ended,
+}
+
+/// Pixels in doubt, in image order: another surface that is nearer under the centre takes them, and where the point shown is
+/// none under the centre, one that is; else the exact depth stands. Those taken join `filled`. A surface is shown
+/// already, so that no gap is to be closed here.
+pub(super) fn resettle(shader: &Shader, targets: &mut Targets, doubts: &[Doubt], filled: &mut Vec<Filled>) {
+    let behind = doubts.par_iter().map(|doubt| match doubt.kind {
+        DoubtKind::Deep => shader.nearer_by_tolerance(depth_of(doubt.filled.near), 1.0),
+        DoubtKind::Beside => shader.nearer_by_tolerance(depth_of(doubt.filled.near), -1.0),
+        DoubtKind::Ended => 0.0,
+    });
+    let pixels: Vec<Filled> = doubts.iter().map(|doubt| doubt.filled).collect();
+    let hits = nearest_hits(shader, &pixels, behind.collect(), false);
+    for (f, hit) in pixels.into_iter().zip(hits) {
         targets.near[f.pixel as usize] = hit.as_ref().map_or(f.near, Hit::word);
-        filled.extend(hit.map(|hit| Filled { start: Some(hit.parameters), ..*f }));
+        filled.extend(hit.map(|hit| Filled { start: Some(hit.parameters), ..f }));
     }
     filled.sort_unstable_by_key(|f| f.pixel);
 }
@@ -82,14 +105,12 @@ pub(super) fn refuse(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fi
     });
 }
 
-/// By pixel, in image order: the surface exactly under its centre that is nearest to the eye, where it is clearly nearer
-/// than what N shows. `reaching`: faces reach over the model's gaps; else only what lies under the centre itself counts.
-fn nearest_hits(shader: &Shader, pixels: &[Filled], reaching: bool) -> Vec<Option<Hit>> {
+/// By pixel, in image order: the surface exactly under its centre that is nearest to the eye, where it is nearer than the
+/// stored depth `behind`. `reaching`: faces reach over the model's gaps; else only what lies under the centre itself counts.
+fn nearest_hits(shader: &Shader, pixels: &[Filled], behind: Vec<f32>, reaching: bool) -> Vec<Option<Hit>> {
     if pixels.is_empty() {
         return Vec::new();
     }
-    // N's own surface lies within the depth tolerance of its depth: only what is clearly nearer counts.
-    let behind: Vec<f32> = pixels.par_iter().map(|f| shader.nearer_by_tolerance(depth_of(f.near))).collect();
     by_band(shader, pixels, &behind, |range, candidates| {
         let (pixels, behind) = (&pixels[range.clone()], &behind[range]);
         let mut hits: Vec<Option<Hit>> = behind.iter().map(|_| None).collect();
@@ -97,7 +118,7 @@ fn nearest_hits(shader: &Shader, pixels: &[Filled], reaching: bool) -> Vec<Optio
         for of_leaf in candidates.chunk_by(|a, b| a.leaf == b.leaf) {
             starts.clear();
             for near in of_leaf.chunk_by(|a, b| a.slot == b.slot) {
-                add_starts(shader, near, pixels[near[0].slot as usize].pixel, &mut starts);
+                add_starts(shader, near, &pixels[near[0].slot as usize], &mut starts);
             }
             search(shader, of_leaf[0].leaf, &starts, pixels, behind, reaching, &mut hits);
         }
@@ -115,19 +136,22 @@ struct Start {
 
 /// Whatever surface of a leaf lies under a pixel's centre, refinement finds it from a triangle nearby: from the nearest
 /// point, and where the surface may fold over from the corners too.
-fn add_starts(shader: &Shader, near: &[Candidate], pixel: u32, starts: &mut Vec<Start>) {
+fn add_starts(shader: &Shader, near: &[Candidate], of: &Filled, starts: &mut Vec<Start>) {
     let Tessellation { quads, deviation, .. } = shader.grids[near[0].leaf as usize];
     let first = starts.len();
+    // What is found already: the leaf's point that the pixel shows.
+    let shown = of.start.filter(|_| shader.meshlets.meshlets[meshlet_of(of.near) as usize].leaf == near[0].leaf);
     let is_new = |starts: &[Start], parameters: [f32; 2], apart: f32| {
-        let steps = |k: usize, s: &Start| (s.parameters[k] - parameters[k]).abs() * quads[k] as f32;
-        !starts[first..].iter().any(|s| (0..2).all(|k| steps(k, s) <= apart))
+        let known = starts[first..].iter().map(|s| s.parameters).chain(shown);
+        let steps = |k: usize, s: [f32; 2]| (s[k] - parameters[k]).abs() * quads[k] as f32;
+        !known.into_iter().any(|s| (0..2).all(|k| steps(k, s) <= apart))
     };
     for &Candidate { leaf, slot, word } in near {
-        let parameters = shader.interpolated(leaf, word, pixel);
+        let parameters = shader.interpolated(leaf, word, of.pixel);
         if is_new(starts, parameters, POINTS_APART) {
             starts.push(Start { slot, triangle: word, parameters });
         }
-        if !may_fold(shader, word, deviation[0]) {
+        if !folds(shader, word, deviation[0]) {
             continue;
         }
         for parameters in corner_parameters(shader.meshlets, quads, word) {
@@ -138,16 +162,11 @@ fn add_starts(shader: &Shader, near: &[Candidate], pixel: u32, starts: &mut Vec<
     }
 }
 
-/// The image of the surface over a triangle may have a fold: where a grid is off by `off` pixels, its derivatives along the
-/// sides of a quad are off by at most eight times that a side (`M h` for `M h^2 / 8`), and a triangle that is higher than
-/// that keeps its sense of rotation.
-fn may_fold(shader: &Shader, word: u64, off: f32) -> bool {
+/// The surface over a word's triangle may fold.
+fn folds(shader: &Shader, word: u64, off: f32) -> bool {
     let meshlet = &shader.meshlets.meshlets[meshlet_of(word) as usize];
     let (Primitive::Triangle(corners) | Primitive::Edge(corners)) = primitive(meshlet, index_of(word));
-    let t = Triangle::new(&corners.map(|[i, j]| shader.meshlets.vertices[meshlet.vertex(i, j)]));
-    let side = |k: usize| ((t.x[(k + 1) % 3] - t.x[k]) as f64).hypot((t.y[(k + 1) % 3] - t.y[k]) as f64);
-    let longest = side(0).max(side(1)).max(side(2));
-    t.area as f64 <= STEEPEST * f64::from(off) * f64::from(SUBPIXELS) * longest
+    may_fold(&corners.map(|[i, j]| shader.meshlets.vertices[meshlet.vertex(i, j)]), off)
 }
 
 /// Refines the starts on one leaf and keeps, by slot, the nearest surface that is nearer than `behind`.

@@ -9,8 +9,9 @@ use super::interpolate::interpolate;
 use super::lens::Lens;
 use super::newton::{Batch, LANES, Surface, refine};
 use super::rasterize::BAND;
-use super::settle::{EXACT, refuse, resettle, settle};
+use super::settle::{Doubt, DoubtKind, EXACT, refuse, resettle, settle};
 use super::topology::{depth_of, meshlet_of, with_depth};
+use super::trim_cut::gaps;
 use super::trim_texture::Texture;
 use super::{Fill, Options, show};
 use crate::scene::Scene;
@@ -35,6 +36,9 @@ pub(super) struct Shader<'a> {
 const EXTRAPOLATED: f64 = 1.0 / 128.0;
 /// Of stored depths, as a share of the camera depth (perspective) or of the depth range.
 const DEPTH_ROUNDING: f64 = 8.0 * f32::EPSILON as f64;
+
+/// Parameters so near to a patch's border are on it.
+const BORDER: f64 = 1e-6;
 
 /// Pixels in a row that show one leaf.
 struct Run {
@@ -63,17 +67,18 @@ pub(super) fn shade(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fil
             shader.group(group, words, first, &mut |pixel, surfel| {
                 parameters[pixel] = surfel.parameters;
                 color[pixel] = surfel.color;
-                if doubtful && shader.is_in_doubt(words[pixel], &surfel) {
+                if doubtful && let Some(kind) = shader.doubt(group[0].leaf, words[pixel], &surfel) {
                     let near = with_depth(words[pixel], surfel.depth);
-                    doubts.push(Filled { pixel: first + pixel as u32, near, start: None });
+                    let start = (kind == DoubtKind::Deep).then_some(surfel.parameters);
+                    doubts.push(Doubt { filled: Filled { pixel: first + pixel as u32, near, start }, kind });
                 }
             });
         }
         doubts
     });
-    let mut doubts: Vec<Filled> = doubts.flatten().collect();
-    doubts.sort_unstable_by_key(|d| d.pixel);
-    doubts.retain(|d| filled.binary_search_by_key(&d.pixel, |f| f.pixel).is_err());
+    let mut doubts: Vec<Doubt> = doubts.flatten().collect();
+    doubts.sort_unstable_by_key(|d| d.filled.pixel);
+    doubts.retain(|d| filled.binary_search_by_key(&d.filled.pixel, |f| f.pixel).is_err());
     resettle(shader, targets, &doubts, filled);
     // Where a filled pixel's parameters are known, they stand: its triangle would lead astray near a silhouette.
     let near = &targets.near;
@@ -220,8 +225,8 @@ impl Shader<'_> {
         if lens.perspective { lens.near as f32 / z } else { 1.0 - (z - lens.near as f32) / lens.extent as f32 }
     }
 
-    /// A stored depth that is nearer by the depth tolerance; 0 for background.
-    pub(super) fn nearer_by_tolerance(&self, stored: f32) -> f32 {
+    /// A stored depth that is nearer by so many depth tolerances; 0 for background.
+    pub(super) fn nearer_by_tolerance(&self, stored: f32, times: f64) -> f32 {
         let lens = self.lens;
         if stored == 0.0 {
             return 0.0;
@@ -231,7 +236,7 @@ impl Shader<'_> {
         } else {
             lens.near + (1.0 - f64::from(stored)) * lens.extent
         };
-        self.stored_depth((z - self.options.depth_tolerance * lens.pixel_size(z)) as f32)
+        self.stored_depth((z - times * self.options.depth_tolerance * lens.pixel_size(z)) as f32)
     }
 
     /// A stored depth, farther by so many model units.
@@ -242,14 +247,27 @@ impl Shader<'_> {
 
     /// The exact point is not where the grid's depth said, or not under the pixel's centre: on steep surfaces half a
     /// pixel is many pixels deep, and the depth test was not fair.
-    fn is_in_doubt(&self, word: u64, surfel: &Surfel) -> bool {
+    fn doubt(&self, leaf: u32, word: u64, surfel: &Surfel) -> Option<DoubtKind> {
         let lens = self.lens;
         let shown = f64::from(depth_of(word));
         let (pixel, range) =
             if lens.perspective { (shown / lens.scale, shown) } else { (1.0 / (lens.scale * lens.extent), 1.0) };
         let off = (f64::from(surfel.depth) - shown).abs();
-        let usable = surfel.depth > 0.0 && surfel.depth.is_finite();
-        usable && (surfel.residual > EXACT || off > self.options.depth_tolerance * pixel + DEPTH_ROUNDING * range)
+        if !(surfel.depth > 0.0 && surfel.depth.is_finite()) {
+            return None;
+        }
+        if surfel.residual > EXACT {
+            let leaf = &self.leaves[leaf as usize];
+            let uv = leaf.to_patch(surfel.parameters.map(f64::from));
+            let ended = uv.iter().any(|c| !(BORDER..=1.0 - BORDER).contains(c));
+            // As far as the model's own gap reaches, the border stands for what is missing.
+            let gap = gaps(self.scene, self.lens, leaf)[1] as f32;
+            return Some(if ended && surfel.residual > gap + EXACT { DoubtKind::Ended } else { DoubtKind::Beside });
+        }
+        // Between whole patches the grids' depth decides well enough, and for nothing.
+        let deep =
+            self.scene.trims.segments() > 0 && off > self.options.depth_tolerance * pixel + DEPTH_ROUNDING * range;
+        deep.then_some(DoubtKind::Deep)
     }
 
     pub(super) fn interpolated(&self, leaf: u32, word: u64, pixel: u32) -> [f32; 2] {

@@ -4,9 +4,11 @@
 use super::cull::Leaf;
 use super::estimate::Tessellation;
 use super::evaluate::{SUBPIXELS, Vertex};
-use super::rasterize::{Band, Triangle, pixel_range};
+use super::rasterize::{Band, Coverage, Triangle, pixel_range};
 use super::topology::depth_of;
 use super::{Bound, Options};
+use crate::geometry::distance2_from_line;
+use glam::{DVec2, Vec4};
 
 const HALF: i64 = SUBPIXELS as i64 / 2;
 /// Depth is pushed back by a pen's width of slope and this many pixels.
@@ -14,52 +16,111 @@ const PUSH_MARGIN: f32 = 1.0 / 64.0;
 /// Strokes lose against what they continue: a few f32 roundings.
 const PUSH_FACTOR: f32 = 1.0 - 2e-6;
 
-/// The square pen that draws a leaf's outer edges.
+/// Derivatives of what a grid is off by, a quad's side, for each pixel of it.
+const STEEPEST: f64 = 8.0;
+
+/// The square pens that draw a leaf's outer edges: L-infinity radii in sub-pixels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pen {
-    /// L-infinity radius in sub-pixels.
+    /// For the edges of sides u = 0, u = 1, v = 0, v = 1 behind which the surface does not fold.
+    pub sides: [i64; 4],
+    /// For the others.
     pub radius: i64,
-    /// The same along folds; 0: none are drawn. The surface's own outline lies within the whole tolerance of its grid's.
+    /// Along folds; 0: none are drawn. The surface's own outline lies within the whole tolerance of its grid's.
     pub fold: i64,
+    /// Pixels that the grid is off by.
+    pub off: f32,
 }
 
 impl Pen {
     /// What the leaf's own grid is off by: two grids that both reach their common curve leave no gap. Where a bound tells no
-    /// more than the tolerance, or fragments stay as they are, half of that: every gap point is so near to an edge of one of the two (research
-    /// "crack-closing"). Not the lesser of the two: a fine grid's short reach and half a tolerance may not meet. Half a
-    /// sub-pixel of snapping for each of the two borders, and their rounding.
+    /// more than the tolerance, or fragments stay as they are, half of that: every gap point is so near to an edge of one of
+    /// the two (research "crack-closing"). Not the lesser of the two: a fine grid's short reach and half a tolerance may not
+    /// meet. Half a sub-pixel of snapping for each of the two borders, and their rounding.
+    ///
+    /// A border that is straight on the screen is its own grid's: only a surface that folds reaches beyond it.
     ///
     /// Folds only propose pixels: without `refine` nobody could tell which of them the surface covers.
     ///
     /// Where the face ends or is cut, nothing comes to meet it from the other side: `rim` is the model's own gap there in
     /// pixels, to be reached over on top of all that the grid is off by. These, too, only propose pixels.
-    pub fn new(leaf: &Leaf, grid: &Tessellation, options: &Options, rim: Option<f64>) -> Self {
+    pub fn new(leaf: &Leaf, grid: &Tessellation, options: &Options, rim: Option<f64>, sags: [f64; 4]) -> Self {
         let (tolerance, refine) = (options.tolerance, options.refine > 0);
         let subpixels = f64::from(SUBPIXELS);
         let off = f64::from(grid.deviation[0]);
         let tells = matches!(options.bound, Bound::Screen | Bound::Filip | Bound::Eter);
         let half = 0.5 * (tolerance - 0.5 / subpixels - leaf.rounding).max(0.0) + leaf.rounding;
-        let shared = if refine && tells { off } else { half };
         let radius = |reach: f64| (subpixels * reach + 0.5).ceil() as i64;
         let gap = rim.unwrap_or(0.0);
+        let whole = radius(if refine && rim.is_some() {
+            off + gap
+        } else if refine && tells {
+            off
+        } else {
+            half
+        });
+        let side = |sag: f64| radius(off.min(sag + 0.5 / subpixels + leaf.rounding) + gap);
         Self {
-            radius: radius(if refine && rim.is_some() { off + gap } else { shared }),
+            sides: if refine && (tells || rim.is_some()) { sags.map(side) } else { [whole; 4] },
+            radius: whole,
             fold: if refine { radius(off + gap) } else { 0 },
+            off: grid.deviation[0],
         }
     }
+
+    /// The surface over a triangle of the leaf may fold, and strokes only propose pixels.
+    pub fn may_fold(&self, corners: &[Vertex; 3]) -> bool {
+        self.fold > 0 && may_fold(corners, self.off)
+    }
+
+    /// The radius for an edge of a side, with the third corner of the triangle behind it.
+    fn reach(&self, side: usize, corners: &[Vertex; 3]) -> i64 {
+        if self.may_fold(corners) { self.radius } else { self.sides[side] }
+    }
+}
+
+/// The image of the surface over a triangle may have a fold: where a grid is off by `off` pixels, its derivatives along the
+/// sides of a quad are off by at most eight times that a side (`M h` for `M h^2 / 8`), and a triangle that is higher than
+/// that keeps its sense of rotation.
+pub(super) fn may_fold([a, b, c]: &[Vertex; 3], off: f32) -> bool {
+    let way =
+        |p: &Vertex, q: &Vertex| [i64::from(q.x) - i64::from(p.x), i64::from(q.y) - i64::from(p.y)].map(|d| d as f64);
+    let ([ux, uy], [vx, vy], [wx, wy]) = (way(a, b), way(a, c), way(b, c));
+    let longest2 = (ux * ux + uy * uy).max(vx * vx + vy * vy).max(wx * wx + wy * wy);
+    (ux * vy - uy * vx).abs() <= STEEPEST * f64::from(off) * f64::from(SUBPIXELS) * longest2.sqrt()
+}
+
+/// How far the leaf's four borders (u = 0, u = 1, v = 0, v = 1) are from the straight lines between their ends, and so
+/// from the edges of any grid, at most: twice their control points' distance, in pixels.
+pub(super) fn sags(leaf: &Leaf, net: &[Vec4], perspective: bool) -> [f64; 4] {
+    let [m, n] = leaf.degree;
+    let at = |i: usize, j: usize| {
+        let p = net[i * (n + 1) + j].as_dvec4();
+        let denominator = if perspective { p.z + leaf.depth_origin * p.w } else { p.w };
+        DVec2::new(p.x, p.y) / denominator
+    };
+    let sag = |count: usize, point: &dyn Fn(usize) -> DVec2| {
+        let (a, b) = (point(0), point(count));
+        2.0 * (1..count).map(|k| distance2_from_line(point(k), [a, b])).fold(0.0, f64::max).sqrt()
+    };
+    [sag(n, &|j| at(0, j)), sag(n, &|j| at(m, j)), sag(m, &|i| at(i, 0)), sag(m, &|i| at(i, n))]
 }
 
 impl Band<'_> {
     /// The larger word stays in the spare buffer.
     fn spare(&mut self, x: i64, y: i64, fragment: u64) {
-        let index = (y - i64::from(self.rows[0])) as u32 * self.width as u32 + x as u32;
+        self.spare_fragment((y - i64::from(self.rows[0])) as u32 * self.width as u32 + x as u32, fragment);
+    }
+
+    /// The same for a pixel of the band by its number.
+    fn spare_fragment(&mut self, index: u32, fragment: u64) {
         match &mut self.listed {
             Some(listed) => listed.push((index, fragment)),
             None => self.spare_at(index, fragment),
         }
     }
 
-    /// The same for a pixel of the band by its number.
+    /// The same, listed or not.
     pub fn spare_at(&mut self, index: u32, fragment: u64) {
         let pixel = &mut self.spare[index as usize];
         if *pixel == 0 {
@@ -124,9 +185,9 @@ impl Segment {
 }
 
 /// A stroke along corner 0 to corner 1; corner 2 completes the triangle behind it.
-pub(super) fn stroke(corners: &[Vertex; 3], pen: &Pen, id: u64, band: &mut Band) {
+pub(super) fn stroke(corners: &[Vertex; 3], side: usize, pen: &Pen, id: u64, band: &mut Band) {
     let [a, b, c] = corners;
-    let segment = Segment::new(a, b, pen.radius);
+    let segment = Segment::new(a, b, pen.reach(side, corners));
     let ([ax, ay], [dx, dy]) = (segment.from, segment.way);
     let area = dx * (i64::from(c.y) - ay) - dy * (i64::from(c.x) - ax);
     let push = if pen.fold > 0 { 0.0 } else { push(corners, area, pen) };
@@ -137,6 +198,17 @@ pub(super) fn stroke(corners: &[Vertex; 3], pen: &Pen, id: u64, band: &mut Band)
             band.spare(x, y, id | u64::from(depth.max(f32::MIN_POSITIVE).to_bits()) << 32);
         }
     });
+}
+
+/// A triangle of which the inside of a solid is seen, so that it is not drawn: the surface over it may fold and be seen
+/// from outside all the same.
+pub(super) fn turned_away(corners: &[Vertex; 3], id: u64, band: &mut Band) {
+    let Some(coverage) = Coverage::new(corners, band) else { return };
+    let mut found = Vec::new();
+    coverage.each(coverage.pixels, id, band, |_, pixel, fragment| found.push((pixel, fragment)));
+    for (pixel, fragment) in found {
+        band.spare_fragment(pixel, fragment);
+    }
 }
 
 /// A stroke along an edge at which the grid folds over, on both sides.

@@ -17,17 +17,16 @@ use super::shade::Shader;
 use super::stroke::{Pen, is_nearer};
 use super::topology::{FOLD, Primitive, depth_of, index_of, meshlet_of, primitive, triangle_index, triangles, word};
 use super::trim_cut::{Cut, keeps};
+use super::trim_marks::{BLOCK, Line, Marks, Rows, each_bit, lines, lowest_run};
 use super::trim_quad::Quad;
 use super::trim_texture::Texture;
 use super::{Fill, Trim};
-use crate::scene::{ParameterBox, Region};
+use crate::scene::Region;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::ops::Range;
 
-/// Pixels a side of blocks whose pixels are looked at each.
-const SMALL: i64 = 4;
-/// Pixels a side of blocks, and of triangles, that are worth asking whether they are hidden.
+/// Pixels a side of triangles that are worth asking whether they are hidden.
 const HIDEABLE: i64 = 8;
 
 /// What trimming did in a frame.
@@ -65,7 +64,11 @@ struct Trimmer<'a> {
     counts: TrimCounts,
     /// Fragments of the meshlet being drawn that have to be refined: pixel of the band, word.
     queue: Vec<(u32, u64)>,
-    /// Curves that meet the blocks of pixels on the way down, one list behind the other.
+    /// Fragments of the block being drawn, by row and column: those it has in common with `wins`.
+    fragments: [[u64; BLOCK]; BLOCK],
+    /// The curves near the triangle being drawn as lines on the screen.
+    lines: Vec<Line>,
+    /// Numbers of the curves, then of the lines that meet the blocks of pixels on the way down, one list behind the other.
     curves: Vec<u32>,
 }
 
@@ -107,7 +110,14 @@ pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> Trim
         let first = (k * BAND) as i32;
         let rows = [first, first + (near.len() / width) as i32];
         let mut band = Band { width: width as i32, rows, near, spare, touched, listed: None };
-        let mut trimmer = Trimmer { shader, counts: TrimCounts::default(), queue: Vec::new(), curves: Vec::new() };
+        let mut trimmer = Trimmer {
+            shader,
+            counts: TrimCounts::default(),
+            queue: Vec::new(),
+            fragments: [[0; BLOCK]; BLOCK],
+            lines: Vec::new(),
+            curves: Vec::new(),
+        };
         for &number in bins.of(k) {
             trimmer.meshlet(number, pens, &mut band);
         }
@@ -149,8 +159,8 @@ impl Trimmer<'_> {
                         corners.map(|[i, j]| [at(0, i as f64), at(1, j as f64)]),
                         &vertices,
                     );
-                    let triangle = Triangle { cut: &cut, quad: &quad, coverage: &coverage, id };
-                    self.block(&triangle, coverage.pixels, 0..0, band);
+                    let triangle = Triangle { cut: &cut, quad: &quad, coverage: &coverage, id, deviation };
+                    self.triangle(&triangle, band);
                 }
             }
         }
@@ -195,36 +205,55 @@ impl Trimmer<'_> {
         !spread.iter().all(|s| s.is_finite()) || cut.classify(near[0], near[1]) != Region::Outside
     }
 
-    /// Draws what no trim curve comes near to, and queues the rest: blocks of pixels from large to small, each with the
-    /// curves of the one before that meet it.
-    fn block(&mut self, triangle: &Triangle, block: [(i64, i64); 2], curves: Range<usize>, band: &mut Band) {
-        let Triangle { cut, quad, coverage, id } = *triangle;
+    /// Draws the part of a triangle that no trim curve comes near to, and queues the rest.
+    fn triangle(&mut self, triangle: &Triangle, band: &mut Band) {
+        let Triangle { cut, quad, coverage, id, deviation } = *triangle;
+        let (low, high) = quad.parameters(coverage.pixels);
+        let within = cut.plane_box(low, high);
+        self.curves.clear();
+        cut.tree.collect(&within, &mut self.curves);
+        if self.curves.is_empty() {
+            if cut.tree.contains(within.center()) {
+                coverage.draw(coverage.pixels, id, band);
+            }
+            return;
+        }
+        let [low, high] = quad.rectangle().map(|corner| cut.to_plane(corner));
+        let to_screen = quad.to_screen([low, high]);
+        self.lines.clear();
+        let reach = |gap: f64| cut.reach(deviation, gap);
+        if !lines(&cut.tree, &self.curves, coverage.pixels, &to_screen, &within, reach, &mut self.lines) {
+            let queue = &mut self.queue;
+            return coverage.each(coverage.pixels, id, band, |_, pixel, fragment| queue.push((pixel, fragment)));
+        }
+        self.curves.clear();
+        self.curves.extend(0..self.lines.len() as u32);
+        self.block(triangle, coverage.pixels, 0..self.lines.len(), band);
+    }
+
+    /// The same for a block of pixels, from large to small, each with the lines of the one before that come near to it.
+    fn block(&mut self, triangle: &Triangle, block: [(i64, i64); 2], lines: Range<usize>, band: &mut Band) {
+        let Triangle { cut, quad, coverage, id, .. } = *triangle;
         if !coverage.meets(block) {
             return;
         }
-        let (low, high) = quad.parameters(block);
-        let within = cut.plane_box(low, high);
         let start = self.curves.len();
-        if curves.is_empty() {
-            cut.tree.collect(&within, &mut self.curves);
-        } else {
-            for k in curves {
-                let curve = self.curves[k];
-                if cut.tree.meets(curve, &within) {
-                    self.curves.push(curve);
-                }
+        for k in lines {
+            let line = self.curves[k];
+            if self.lines[line as usize].meets(block) {
+                self.curves.push(line);
             }
         }
         let [(x0, x1), (y0, y1)] = block;
         let near = start..self.curves.len();
-        let side = (x1 - x0).max(y1 - y0) + 1;
         if near.is_empty() {
-            if cut.tree.contains(within.center()) {
+            // Between two pixels of a triangle no curve passes then: one speaks for all.
+            if coverage.first(block).is_some_and(|[x, y]| cut.tree.contains(cut.to_plane(quad.at(x, y)))) {
                 coverage.draw(block, id, band);
             }
-        } else if side <= SMALL {
+        } else if (x1 - x0).max(y1 - y0) < BLOCK as i64 {
             self.pixels(triangle, block, near, band);
-        } else if side > HIDEABLE || x1 - x0 != y1 - y0 || coverage.wins(block, id, band) {
+        } else {
             let cut_in_two = |low: i64, high: i64| [(low, (low + high) / 2), ((low + high) / 2 + 1, high)];
             let halves = if x1 - x0 >= y1 - y0 {
                 cut_in_two(x0, x1).map(|x| [x, (y0, y1)])
@@ -238,28 +267,50 @@ impl Trimmer<'_> {
         self.curves.truncate(start);
     }
 
-    /// The same for each pixel of a block that the triangle would win.
-    fn pixels(&mut self, triangle: &Triangle, block: [(i64, i64); 2], curves: Range<usize>, band: &mut Band) {
+    /// The same for each pixel of a small block that the triangle would win: between neighbours that no curve comes near
+    /// to none passes, so that one of them speaks for the other.
+    fn pixels(&mut self, triangle: &Triangle, block: [(i64, i64); 2], lines: Range<usize>, band: &mut Band) {
         let Triangle { cut, quad, coverage, id, .. } = *triangle;
-        let (width, first) = (band.width as u32, i64::from(band.rows[0]));
-        // What the last pixel was: no curve between the two, and this one is the same.
-        let mut last: Option<(ParameterBox, bool)> = None;
-        coverage.each(block, id, band, |place, pixel, fragment| {
-            let (x, y) = (i64::from(pixel % width), i64::from(pixel / width) + first);
-            let (low, high) = quad.pixel(x, y);
-            let here = cut.plane_box(low, high);
-            let crossed =
-                |within: &ParameterBox| self.curves[curves.clone()].iter().any(|&curve| cut.tree.meets(curve, within));
-            let inside = match last.filter(|(there, _)| !crossed(&there.union(&here))) {
-                Some((_, inside)) => inside,
-                None if crossed(&here) => return self.queue.push((pixel, fragment)),
-                None => cut.tree.contains(here.center()),
-            };
-            last = Some((here, inside));
-            if inside {
-                *place = fragment;
-            }
+        let (width, top) = (band.width as u32, i64::from(band.rows[0]));
+        let [(x0, _), (y0, _)] = block;
+        let fragments = &mut self.fragments;
+        let mut wins: Rows = [0; BLOCK];
+        let first = (y0 - top) as u32 * width + x0 as u32;
+        coverage.each(block, id, band, |_, pixel, fragment| {
+            let (row, column) = ((pixel - first) / width, (pixel - first) % width);
+            fragments[row as usize][column as usize] = fragment;
+            wins[row as usize] |= 1 << column;
         });
+        if wins == [0; BLOCK] {
+            return;
+        }
+        let lines = self.curves[lines].iter().map(|&k| &self.lines[k as usize]);
+        let marks = Marks::new(lines, [x0, y0]);
+        let contains =
+            |row: usize, column: u32| cut.tree.contains(cut.to_plane(quad.at(x0 + i64::from(column), y0 + row as i64)));
+        let (mut known, mut inside) = (0u16, 0u16);
+        for (row, &wins) in wins.iter().enumerate() {
+            let pixel = first + row as u32 * width;
+            each_bit(wins & marks.near[row], |column| {
+                self.queue.push((pixel + column, fragments[row][column as usize]));
+            });
+            let mut here = 0;
+            each_bit(wins & marks.beside[row] & !marks.near[row], |column| {
+                here |= u16::from(contains(row, column)) << column;
+            });
+            let far = wins & !marks.beside[row];
+            let above = [known & far, inside & far];
+            (known, inside) = (far, 0);
+            let mut rest = far;
+            while rest != 0 {
+                let run = lowest_run(rest);
+                rest &= !run;
+                let is_inside =
+                    if run & above[0] != 0 { run & above[1] != 0 } else { contains(row, run.trailing_zeros()) };
+                inside |= if is_inside { run } else { 0 };
+            }
+            each_bit(here | inside, |column| band.near[(pixel + column) as usize] = fragments[row][column as usize]);
+        }
     }
 
     /// Refines what is queued, tests it and draws what passes.
@@ -308,4 +359,6 @@ struct Triangle<'a> {
     coverage: &'a Coverage,
     /// Its word without depth.
     id: u64,
+    /// Pixels that its grid is off by.
+    deviation: f32,
 }

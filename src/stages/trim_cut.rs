@@ -68,9 +68,14 @@ impl<'a> Cut<'a> {
         self.tree.classify(&self.plane_box(low, high))
     }
 
+    /// Pixels on its triangle that a fragment may be off by, at a curve with this gap, where its grid is off by `deviation`.
+    pub fn reach(&self, deviation: f32, gap: f64) -> f64 {
+        (f64::from(deviation) + self.margin(gap)) * BENT
+    }
+
     /// Quads that the parameters of a triangle's fragments may be off by where its grid is off by `deviation` pixels.
     pub fn spread(&self, corners: [[usize; 2]; 3], vertices: &[Vertex; 3], deviation: f32) -> [f64; 2] {
-        let reach = (f64::from(deviation) + self.margin(self.tree.gap())) * f64::from(SUBPIXELS) * BENT;
+        let reach = self.reach(deviation, self.tree.gap()) * f64::from(SUBPIXELS);
         quads_per_subpixel(corners, vertices).map(|e| e * reach)
     }
 }

@@ -1,6 +1,7 @@
 //! What several tests need.
 #![allow(dead_code)] // each test file uses its own part
 
+pub mod heap;
 pub mod random;
 
 use std::path::PathBuf;

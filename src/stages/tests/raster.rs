@@ -4,7 +4,7 @@ use super::*;
 use crate::stages::topology::{depth_of, index_of};
 
 const SIZE: [u32; 2] = [40, 36];
-const PEN: Pen = Pen { radius: 64, fold: 0 };
+const PEN: Pen = Pen { sides: [64; 4], radius: 64, fold: 0, off: 0.0 };
 
 /// The top-left rule says: a triangle has what lies a hair to the right, and a far smaller hair below, of its points.
 fn covers(corners: &[Vertex; 3], p: [i128; 2]) -> bool {

@@ -54,7 +54,7 @@ fn depth([a, b, c]: &[Vertex; 3], p: [i128; 2], radius: i64) -> f64 {
 }
 
 fn check(corners: [Vertex; 3], radius: i64) -> usize {
-    let targets = draw(corners, Pen { radius, fold: 0 }, Fill::Stroke, SIZE);
+    let targets = draw(corners, Pen { sides: [radius; 4], radius, fold: 0, off: 0.0 }, Fill::Stroke, SIZE);
     let c = corners.each_ref().map(place);
     let mut drawn = 0;
     for (&word, p) in targets.spare.iter().zip(centers(SIZE)) {
@@ -102,7 +102,7 @@ fn folds_are_the_pixels_within_the_pen_on_both_sides() {
         }
         let radius = 1 + random.below(300) as i64;
         // The first triangle is (0,0), (1,0), (1,1) of the quad: b and c are the ends of its diagonal's far corner.
-        let targets = draw(corners, Pen { radius: 0, fold: radius }, Fill::Stroke, SIZE);
+        let targets = draw(corners, Pen { sides: [0; 4], radius: 0, fold: radius, off: 0.0 }, Fill::Stroke, SIZE);
         for (&word, p) in targets.spare.iter().zip(centers(SIZE)) {
             let border = meets(c[0], c[1], p, 0) && is_outer(c, p);
             let fold = meets(c[0], c[2], p, radius.into());
