@@ -102,3 +102,14 @@ fn the_search_finds_every_sheet_of_a_heap() {
     let report = support::heap::judged(30_000, 2.5, 2, View::Top, true);
     assert_eq!([report.violations, report.cracks, report.depth_failures], [0; 3], "{:?}", report.worst);
 }
+
+/// In axis-aligned orthographic views walls are seen exactly along, and all there is of them is their edge. Where that runs
+/// less than 1/128 pixel beside a row of pixel centres, strokes of the wall take them. Most of the 44 covering failures in
+/// the 155 million pixels of bench/results/step-contract-*.md are such.
+#[test]
+#[ignore = "a wall seen exactly along takes pixels that its edge only comes near to"]
+fn a_wall_seen_along_shows_nothing() {
+    let Some(model) = real("kicad_Molex_SlimStack_54722-0804_2x40.step") else { return };
+    let spec = ViewSpec { size: [640, 480], view: View::Bottom, orthographic: true, ..ViewSpec::default() };
+    assert_eq!(judged_model(&model, spec).covering_failures, 0);
+}
