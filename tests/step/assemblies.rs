@@ -221,11 +221,7 @@ fn color_of(model: &Model, name: &str) -> Option<[f32; 3]> {
 #[test]
 fn colours_are_inherited_and_overridden() {
     let mut text = Text::default();
-    let context = text.context(Units::Millimetres);
-    let all = text.box_faces([0.0; 3], [1.0; 3]);
-    let shell = text.add(format_args!("CLOSED_SHELL('',{})", list(&all)));
-    let solid = text.add(format_args!("MANIFOLD_SOLID_BREP('',#{shell})"));
-    let shape = text.representation(&[solid], context);
+    let (all, solid, shape) = text.solid_of_faces();
     let [gray, dark] = [[linear(0.5); 3], [linear(0.25); 3]];
     let bare = clean(&text.file());
     assert_eq!(color_of(&bare, "face 0 0"), None);

@@ -30,6 +30,27 @@ impl Default for Text {
 }
 
 impl Text {
+    /// A box that two mapped items show, in its place and moved by 5 in x: the items.
+    pub fn two_places(&mut self) -> [u32; 2] {
+        let context = self.context(Units::Millimetres);
+        let solid = self.box_solid([0.0; 3], [1.0; 3]);
+        let part = self.representation(&[solid], context);
+        let [origin, place] = [self.at([0.0; 3]), self.at([5.0, 0.0, 0.0])];
+        let items = [self.mapped(part, origin, origin), self.mapped(part, origin, place)];
+        self.representation(&items, context);
+        items
+    }
+
+    /// A box as a solid of its own: its faces, its solid, its representation.
+    pub fn solid_of_faces(&mut self) -> (Vec<u32>, u32, u32) {
+        let context = self.context(Units::Millimetres);
+        let faces = self.box_faces([0.0; 3], [1.0; 3]).to_vec();
+        let shell = self.add(format_args!("CLOSED_SHELL('',{})", list(&faces)));
+        let solid = self.add(format_args!("MANIFOLD_SOLID_BREP('',#{shell})"));
+        let shape = self.representation(&[solid], context);
+        (faces, solid, shape)
+    }
+
     pub fn add(&mut self, entity: impl Display) -> u32 {
         let id = self.next();
         self.lines.push(format!("#{id}={entity};\n"));

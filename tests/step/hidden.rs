@@ -7,12 +7,7 @@ use halfpixel::import::load;
 #[test]
 fn hidden_places_of_a_part_are_counted_and_others_shown() {
     let mut text = Text::default();
-    let context = text.context(Units::Millimetres);
-    let solid = text.box_solid([0.0; 3], [1.0; 3]);
-    let part = text.representation(&[solid], context);
-    let [origin, place] = [text.at([0.0; 3]), text.at([5.0, 0.0, 0.0])];
-    let items = [text.mapped(part, origin, origin), text.mapped(part, origin, place)];
-    text.representation(&items, context);
+    let items = text.two_places();
     let style = text.style([0.5; 3], items[1]);
     let plain = clean(&text.file());
     assert_eq!((plain.instances.len(), plain.unshown.hidden_faces), (2, 0));
@@ -34,11 +29,7 @@ fn a_file_that_hides_everything_says_so() {
 #[test]
 fn hidden_faces_of_a_shell_and_layers_of_layers() {
     let mut text = Text::default();
-    let context = text.context(Units::Millimetres);
-    let all = text.box_faces([0.0; 3], [1.0; 3]);
-    let shell = text.add(format_args!("CLOSED_SHELL('',{})", list(&all)));
-    let solid = text.add(format_args!("MANIFOLD_SOLID_BREP('',#{shell})"));
-    text.representation(&[solid], context);
+    let (all, ..) = text.solid_of_faces();
     // A layer that is on itself must not be followed for ever.
     let own = text.next();
     text.add(format_args!("PRESENTATION_LAYER_ASSIGNMENT('','',(#{},#{own}))", all[2]));

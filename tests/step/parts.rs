@@ -124,12 +124,7 @@ fn groups_follow_their_faces_past_lost_ones() {
 #[test]
 fn mapped_items_are_components_too() {
     let mut text = Text::default();
-    let context = text.context(Units::Millimetres);
-    let solid = text.box_solid([0.0; 3], [1.0; 3]);
-    let part = text.representation(&[solid], context);
-    let [origin, place] = [text.at([0.0; 3]), text.at([5.0, 0.0, 0.0])];
-    let items = [text.mapped(part, origin, origin), text.mapped(part, origin, place)];
-    text.representation(&items, context);
+    let items = text.two_places();
     let found = model(&text.file()).select(&format!("#{}", items[1])).expect("the second one");
     assert_eq!((found.instances.len(), found.instances[0].transform.translation.x), (1, 5.0));
 }
