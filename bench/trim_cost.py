@@ -19,15 +19,16 @@ def main():
         writer.writeheader()
         writer.writerows(rows)
     first = rows[0]
-    broken = sum(int(row[kind]) for row in rows for kind in ("violations", "cracks", "depth_failures"))
-    covering = sum(int(row["covering_failures"]) for row in rows)
+    on = [row for row in rows if row["trim"] == "on"]
+    broken = sum(int(row[kind]) for row in on for kind in ("violations", "cracks", "depth_failures"))
+    covering = sum(int(row["covering_failures"]) for row in on)
     print_to = [
         "# What trimming costs",
         "",
         "The whole frame in milliseconds, with trims / with `--trim off`, the medians of one run, a model at a time; and what the sum of the",
-        f"four views grows by, of the medians and of the fastest frames. bench/trim_cost.sh; all columns in trim-cost.csv. Of {sum(int(row['checked']) for row in rows)}",
-        f"checked pixels {broken} are violations, cracks or depth failures, {covering} covering failures; the largest error is "
-        f"{max(float(row['parametric_max_px']) for row in rows):.3f} px.",
+        f"four views grows by, of the medians and of the fastest frames. bench/trim_cost.sh; all columns in trim-cost.csv. Of {sum(int(row['checked']) for row in on)}",
+        f"checked pixels with trims {broken} are violations, cracks or depth failures, {covering} covering failures; the largest error is "
+        f"{max(float(row["parametric_max_px"]) for row in on):.3f} px.",
         "",
         f"Measured on {first['device']} with {first['threads']} threads, commit {first['commit']}, {first['date']}, {first['frames']} frames.",
         "",

@@ -342,10 +342,13 @@ impl Coverage {
         })
     }
 
-    /// Some fragment in a part of `pixels` would win.
-    pub fn wins(&self, part: [(i64, i64); 2], id: u64, band: &mut Band) -> bool {
+    /// Some fragment would win.
+    pub fn wins(&self, id: u64, band: &mut Band) -> bool {
         let mut wins = false;
-        self.each(part, id, band, |_, _, _| wins = true);
+        self.until(self.pixels, id, band, |_, _, _| {
+            wins = true;
+            wins
+        });
         wins
     }
 
@@ -358,12 +361,21 @@ impl Coverage {
     /// Calls `found` with every fragment in a part of `pixels` that would win: its place in the near buffer, its pixel in
     /// the band, its word.
     #[inline(always)]
-    pub fn each(
+    pub fn each(&self, part: [(i64, i64); 2], id: u64, band: &mut Band, mut found: impl FnMut(&mut u64, u32, u64)) {
+        self.until(part, id, band, |near, pixel, fragment| {
+            found(near, pixel, fragment);
+            false
+        });
+    }
+
+    /// The same until it returns true.
+    #[inline(always)]
+    fn until(
         &self,
         [(x0, x1), (y0, y1)]: [(i64, i64); 2],
         id: u64,
         band: &mut Band,
-        mut found: impl FnMut(&mut u64, u32, u64),
+        mut found: impl FnMut(&mut u64, u32, u64) -> bool,
     ) {
         let t = &self.triangle;
         // Points on an edge that the top-left rule gives away are outside by one.
@@ -387,8 +399,8 @@ impl Coverage {
                     let weight = |k: usize| (e[k] + self.bias[k]) as f32;
                     let d = weight(0) * self.depth[0] + weight(1) * self.depth[1] + weight(2) * self.depth[2];
                     let fragment = id | u64::from(d.to_bits()) << 32;
-                    if fragment > *pixel {
-                        found(pixel, first as u32 + x as u32, fragment);
+                    if fragment > *pixel && found(pixel, first as u32 + x as u32, fragment) {
+                        return;
                     }
                 }
                 for k in 0..3 {

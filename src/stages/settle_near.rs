@@ -47,7 +47,10 @@ pub(super) fn by_band<T: Send>(
         if range.is_empty() {
             return Vec::new();
         }
-        let mut wanted = Wanted { shader, first: rows[0], rows: Vec::new(), found: Vec::new() };
+        let mut before = vec![0; width as usize + 1];
+        pixels[range.clone()].iter().for_each(|f| before[(f.pixel % width) as usize + 1] += 1);
+        (0..width as usize).for_each(|x| before[x + 1] += before[x]);
+        let mut wanted = Wanted { shader, first: rows[0], rows: Vec::new(), before, found: Vec::new() };
         let place = |f: &Filled, &behind: &f32| (f.pixel % width, behind);
         for row in rows[0]..rows[1] {
             let range = from(row)..from(row + 1);
@@ -71,6 +74,8 @@ struct Wanted<'a> {
     first: u32,
     /// By row: number of its first pixel, and columns with the depths to be nearer than.
     rows: Vec<(u32, Vec<(u32, f32)>)>,
+    /// How many of them lie in the columns before each.
+    before: Vec<u32>,
     found: Vec<Candidate>,
 }
 
@@ -106,7 +111,14 @@ impl Wanted<'_> {
         };
         let (x, y) = (range(|v| v.x), range(|v| v.y));
         let [x, y] = [x, y].map(|(low, high)| pixel_range(low - reach, high + reach));
-        self.rows_of(y).all(|(_, row)| columns(&self.rows[row].1, x).is_empty())
+        self.none_in(x) || self.rows_of(y).all(|(_, row)| columns(&self.rows[row].1, x).is_empty())
+    }
+
+    /// No pixel lies in these columns; most boxes are told by that alone.
+    fn none_in(&self, (low, high): (i64, i64)) -> bool {
+        let last = self.before.len() as i64 - 2;
+        let (low, high) = (low.max(0), high.min(last));
+        low > high || self.before[low as usize] == self.before[high as usize + 1]
     }
 
     /// The band's rows among some of the image's, with their places in the band.
@@ -121,6 +133,9 @@ impl Wanted<'_> {
             pixel_range(v[0].min(v[1]).min(v[2]) - reach, v[0].max(v[1]).max(v[2]) + reach)
         };
         let x = ends(vertices.map(|v| v.x));
+        if self.none_in(x) {
+            return;
+        }
         let mut drawn = None;
         for (y, row) in self.rows_of(ends(vertices.map(|v| v.y))) {
             let (start, pixels) = &self.rows[row];

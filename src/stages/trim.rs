@@ -26,9 +26,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::ops::Range;
 
-/// Pixels a side of triangles that are worth asking whether they are hidden.
-const HIDEABLE: i64 = 8;
-
 /// What trimming did in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct TrimCounts {
@@ -146,8 +143,7 @@ impl Trimmer<'_> {
                     }
                     let Some(coverage) = Coverage::new(&vertices, band) else { continue };
                     let id = word(0.0, number, first + k as u32);
-                    let [(x0, x1), (y0, y1)] = coverage.pixels;
-                    if (x1 - x0).max(y1 - y0) < HIDEABLE && !coverage.wins(coverage.pixels, id, band) {
+                    if !coverage.wins(id, band) {
                         continue;
                     }
                     let spread = cut.spread(corners, &vertices, deviation);
@@ -272,7 +268,7 @@ impl Trimmer<'_> {
     fn pixels(&mut self, triangle: &Triangle, block: [(i64, i64); 2], lines: Range<usize>, band: &mut Band) {
         let Triangle { cut, quad, coverage, id, .. } = *triangle;
         let (width, top) = (band.width as u32, i64::from(band.rows[0]));
-        let [(x0, _), (y0, _)] = block;
+        let [(x0, _), (y0, y1)] = block;
         let fragments = &mut self.fragments;
         let mut wins: Rows = [0; BLOCK];
         let first = (y0 - top) as u32 * width + x0 as u32;
@@ -289,7 +285,7 @@ impl Trimmer<'_> {
         let contains =
             |row: usize, column: u32| cut.tree.contains(cut.to_plane(quad.at(x0 + i64::from(column), y0 + row as i64)));
         let (mut known, mut inside) = (0u16, 0u16);
-        for (row, &wins) in wins.iter().enumerate() {
+        for (row, &wins) in wins[..=(y1 - y0) as usize].iter().enumerate() {
             let pixel = first + row as u32 * width;
             each_bit(wins & marks.near[row], |column| {
                 self.queue.push((pixel + column, fragments[row][column as usize]));
