@@ -28,7 +28,7 @@ def main():
         "The whole frame in milliseconds, with trims / with `--trim off`, the medians of one run, a model at a time; and what the sum of the",
         f"four views grows by, of the medians and of the fastest frames. bench/trim_cost.sh; all columns in trim-cost.csv. Of {sum(int(row['checked']) for row in on)}",
         f"checked pixels with trims {broken} are violations, cracks or depth failures, {covering} covering failures; the largest error is "
-        f"{max(float(row["parametric_max_px"]) for row in on):.3f} px.",
+        f"{max(float(row['parametric_max_px']) for row in on):.3f} px.",
         "",
         f"Measured on {first['device']} with {first['threads']} threads, commit {first['commit']}, {first['date']}, {first['frames']} frames.",
         "",

@@ -126,9 +126,8 @@ impl<'a> Renderer<'a> {
         let meshlets = self.evaluate(&lens, options, &leaves, &grids)?;
         clock.stage("evaluate");
         let mut targets = self.take_targets(camera.size);
-        let pens =
-            (leaves.leaves.iter().zip(&grids)).map(|(leaf, grid)| self.pen(&lens, options, leaf, grid, &leaves.nets));
-        let pens: Vec<Pen> = pens.collect();
+        let pen = |(leaf, grid)| self.pen(&lens, options, leaf, grid, &leaves.nets);
+        let pens: Vec<Pen> = leaves.leaves.par_iter().zip(&grids).map(pen).collect();
         rasterize(&meshlets, &pens, options, camera.size, &mut targets);
         clock.stage("rasterize");
         let Leaves { leaves, nets, patches_visible } = leaves;

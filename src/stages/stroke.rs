@@ -75,7 +75,8 @@ impl Pen {
 
     /// The radius for an edge of a side, with the third corner of the triangle behind it.
     fn reach(&self, side: usize, corners: &[Vertex; 3]) -> i64 {
-        if self.may_fold(corners) { self.radius } else { self.sides[side] }
+        let calm = self.sides[side];
+        if calm < self.radius && self.may_fold(corners) { self.radius } else { calm }
     }
 }
 
