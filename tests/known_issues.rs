@@ -94,13 +94,20 @@ fn a_bad_number_is_named() {
     assert!(error.contains("line 6"), "{error}");
 }
 
-/// Four pixels in 108 such pictures: the shown point lies up to a fifth of a pixel beside the centre, where refinement
-/// stayed, and no start of the search led to the sheet that is nearer there.
+/// Three pixels in 72 pictures of heaps, 5.5 million pixels: the shown point lies up to a fifth of a pixel beside the centre,
+/// where refinement stayed, and no start of the search led to the sheet that is nearer there.
 #[test]
-#[ignore = "one pixel of a heap shows a point beside its centre, and behind what is there"]
+#[ignore = "a few pixels of heaps show a point beside their centre, and behind what is there"]
 fn the_search_finds_every_sheet_of_a_heap() {
-    let report = support::heap::judged(30_000, 2.5, 2, View::Top, true);
-    assert_eq!([report.violations, report.cracks, report.depth_failures], [0; 3], "{:?}", report.worst);
+    let mut wrong = [0; 3];
+    for (count, size, seed) in (1..9).flat_map(|seed| [(30_000, 2.5, seed), (8_000, 6.0, seed), (60_000, 1.2, seed)]) {
+        for (view, orthographic) in [(View::Top, false), (View::Top, true), (View::Iso, false)] {
+            let report = support::heap::judged(count, size, seed, view, orthographic);
+            let found = [report.violations, report.cracks, report.depth_failures];
+            wrong = [0, 1, 2].map(|k| wrong[k] + found[k]);
+        }
+    }
+    assert_eq!(wrong, [0; 3], "violations, cracks, depth failures");
 }
 
 /// In axis-aligned orthographic views walls are seen exactly along, and all there is of them is their edge. Where that runs
@@ -112,4 +119,15 @@ fn a_wall_seen_along_shows_nothing() {
     let Some(model) = real("kicad_Molex_SlimStack_54722-0804_2x40.step") else { return };
     let spec = ViewSpec { size: [640, 480], view: View::Bottom, orthographic: true, ..ViewSpec::default() };
     assert_eq!(judged_model(&model, spec).covering_failures, 0);
+}
+
+/// Of 155 million pixels of STEP files one is refined to 0.083 px only: it shows the sheet that its ray meets, and no round of
+/// refinement comes nearer.
+#[test]
+#[ignore = "one pixel is not refined to the end"]
+fn every_pixel_is_refined_to_a_hundredth() {
+    let Some(model) = real("gmsh_submarine.stp") else { return };
+    let spec = ViewSpec { size: [640, 480], view: View::Front, orthographic: true, zoom: 64.0, ..ViewSpec::default() };
+    let refined = judged_model(&model, spec).refined_error_px.map_or(0.0, |error| error.max);
+    assert!(refined <= 0.01, "{refined} px");
 }

@@ -1,13 +1,11 @@
 //! Trim curves as straight lines on the screen.
 
-use super::trim_segment::Segment;
+use super::trim_segment::{FEW, Segment};
 use crate::geometry::{MAX_DEGREE, distance2_from_line};
 use glam::{DVec2, DVec3};
 
 /// Halvings of a curve on the way to straight lines.
 const MAX_DEPTH: u32 = 60;
-/// Points of the curves that fits make, at most.
-const FEW: usize = 9;
 
 /// The part of the screen that lines are wanted in.
 #[derive(Clone, Copy, Debug)]
@@ -21,9 +19,9 @@ pub struct Window {
 }
 
 impl Segment {
-    /// Calls `line` with the ends of straight lines in whose union, widened by `window.flat`, the segment's image lies as far as the window
-    /// shows it. `image` carries homogeneous points `(wu, wv, w)` to the screen's `(wx, wy, w)` and is linear. False where
-    /// the curve can't be followed: nothing is known of it then.
+    /// Calls `line` with the ends of straight lines: all of the segment's image that the window shows lies within
+    /// `window.flat` of one. `image` carries homogeneous points `(wu, wv, w)` to the screen's `(wx, wy, w)` and is linear.
+    /// False where the curve can't be followed: nothing is known of it then.
     ///
     /// A curve with positive weights lies in the hull of its control points; so does its projective image.
     pub fn lines(

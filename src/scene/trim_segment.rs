@@ -12,7 +12,7 @@ const STEPS: usize = 128;
 /// Splits of a curve in search of monotone parts: what turns even then goes as it is, kept between its ends.
 const MAX_DEPTH: usize = 20;
 /// Points of the curves that fits make, at most.
-const FEW: usize = 9;
+pub(super) const FEW: usize = 9;
 /// Differences below this share of the curve's largest coordinate are rounding.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
