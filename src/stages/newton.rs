@@ -55,6 +55,18 @@ pub(super) struct Batch {
     pub dt: [[f32; LANES]; 3],
 }
 
+/// Sine of the angle in the image between the derivatives from which on a surface clearly shows one side.
+const SIDEWAYS: f32 = 1e-3;
+
+impl Batch {
+    /// Lane k shows the inside of a solid, whose hidden sense of rotation is `hidden`; 0 hides nothing.
+    pub fn faces_away(&self, k: usize, hidden: i8) -> bool {
+        let [a, b, c, d] = [self.ds[0][k], self.ds[1][k], self.dt[0][k], self.dt[1][k]];
+        let sideways = SIDEWAYS * ((a * a + b * b) * (c * c + d * d)).sqrt();
+        (a * d - b * c) * f32::from(hidden) > sideways
+    }
+}
+
 /// The surface at eight parameters, divided: position (x, y in pixels, z about the depth origin) and derivatives.
 struct Point<S: Simd> {
     x: f32x8<S>,

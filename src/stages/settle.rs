@@ -67,7 +67,7 @@ pub(super) struct Doubt {
 pub(super) enum DoubtKind {
     /// Under the pixel's centre, but elsewhere in depth.
     Deep,
-    /// Not under the centre.
+    /// Not under the centre, or of the inside of a solid.
     Beside,
     /// Not under the centre, since the patch ends before.
     Ended,
@@ -203,7 +203,8 @@ fn search(
             let best = &mut hits[start.slot as usize];
             // Equal depths go to the larger word, as everywhere.
             let nearer = best.as_ref().is_none_or(|b| (depth, start.triangle) > (b.depth, b.triangle));
-            if nearer && depth > behind[start.slot as usize] && belongs(&batch, k) {
+            let seen = nearer && depth > behind[start.slot as usize] && !batch.faces_away(k, leaf.hidden);
+            if seen && belongs(&batch, k) {
                 *best = Some(Hit { depth, triangle: start.triangle, parameters: [batch.s[k], batch.t[k]] });
             }
         }

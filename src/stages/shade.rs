@@ -97,6 +97,8 @@ pub(super) struct Surfel {
     pub residual: f32,
     /// Stored depth of the surface point.
     depth: f32,
+    /// It is the inside of a solid: another sheet is in front.
+    away: bool,
 }
 
 impl Shader<'_> {
@@ -204,7 +206,8 @@ impl Shader<'_> {
                 towards_eye: -self.ray(pixel),
             };
             let depth = self.stored_depth(surface.depth_origin + lanes.z[k]);
-            write(k, Surfel { parameters, color: show::color(self, &look), residual: lanes.residual[k], depth });
+            let (residual, away) = (lanes.residual[k], lanes.faces_away(k, leaf.hidden));
+            write(k, Surfel { parameters, color: show::color(self, &look), residual, depth, away });
         }
     }
 
@@ -265,8 +268,10 @@ impl Shader<'_> {
             return Some(if ended && surfel.residual > gap + EXACT { DoubtKind::Ended } else { DoubtKind::Beside });
         }
         // Between whole patches the grids' depth decides well enough, and for nothing.
-        let deep =
-            self.scene.trims.segments() > 0 && off > self.options.depth_tolerance * pixel + DEPTH_ROUNDING * range;
+        if surfel.away {
+            return Some(DoubtKind::Beside);
+        }
+        let deep = off > self.options.depth_tolerance * pixel + DEPTH_ROUNDING * range;
         deep.then_some(DoubtKind::Deep)
     }
 
@@ -279,7 +284,8 @@ impl Shader<'_> {
     pub(super) fn surfel(&self, word: u64, filled: &Filled) -> Surfel {
         let leaf = self.meshlets.meshlets[meshlet_of(word) as usize].leaf;
         let start = filled.start.unwrap_or_else(|| self.interpolated(leaf, word, filled.pixel));
-        let mut found = Surfel { parameters: [0.0; 2], color: [0.0; 3], residual: f32::INFINITY, depth: 0.0 };
+        let mut found =
+            Surfel { parameters: [0.0; 2], color: [0.0; 3], residual: f32::INFINITY, depth: 0.0, away: false };
         self.batch(&self.surface(leaf), leaf, &[filled.pixel], |_| start, |_| word, &mut |_, surfel| found = surfel);
         found
     }
