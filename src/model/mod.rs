@@ -159,6 +159,8 @@ pub struct Instance {
     pub name: String,
     /// Overrides the faces' colours where set.
     pub color: Option<[f32; 3]>,
+    /// Colours of single faces in this place, which override both: by the face's index in the part, ascending.
+    pub face_colors: Vec<(usize, [f32; 3])>,
     /// The file's numbers on the way from the top: of parts, and of their uses in each other.
     pub path: Vec<u32>,
 }

@@ -135,6 +135,8 @@ pub struct SceneInstance {
     /// Part coordinates to world.
     pub transform: DAffine3,
     pub color: Option<[f32; 3]>,
+    /// Colours of single faces in this place, by their index in `Scene::faces`, ascending.
+    pub face_colors: Vec<(u32, [f32; 3])>,
 }
 
 /// Box of all control points in the world, and the sphere about it.
@@ -172,9 +174,12 @@ impl Scene {
         patch.trim.tree.map(|tree| self.trims.tree(tree))
     }
 
-    /// What one drawn patch is coloured: the instance's colour, else the face's.
+    /// What one drawn patch is coloured: as the instance says of its face, or of the whole, else as the face is.
     pub fn color(&self, instance: u32, patch: u32) -> [f32; 3] {
-        let face = &self.faces[self.patches[patch as usize].face as usize];
-        self.instances[instance as usize].color.unwrap_or(face.color)
+        let face = self.patches[patch as usize].face;
+        let SceneInstance { color, face_colors, .. } = &self.instances[instance as usize];
+        let own = face_colors.binary_search_by_key(&face, |&(face, _)| face);
+        let own = own.ok().map(|k| face_colors[k].1);
+        own.or(*color).unwrap_or(self.faces[face as usize].color)
     }
 }

@@ -41,11 +41,16 @@ pub fn prepare(model: &Model, progress: &(dyn Fn(usize, usize) + Sync)) -> Resul
     let mut kept = kept.into_iter();
     let part_patches: Vec<Range<usize>> =
         model.parts.iter().map(|part| collect_part(part, &mut kept, &mut scene.faces, &mut sources)).collect();
+    let first_faces: Vec<u32> = (model.parts.iter())
+        .scan(0, |next, part| Some(std::mem::replace(next, *next + part.faces.len() as u32)))
+        .collect();
     for (k, instance) in model.instances.iter().enumerate() {
         let missing = || PrepareError::MissingPart { instance: k, part: instance.part, parts: model.parts.len() };
         let patches = part_patches.get(instance.part).ok_or_else(missing)?.clone();
-        let Instance { name, transform, color, .. } = instance.clone();
-        scene.instances.push(SceneInstance { name, patches, transform, color });
+        let Instance { name, transform, color, face_colors, .. } = instance.clone();
+        let first = first_faces[instance.part];
+        let face_colors = face_colors.into_iter().map(|(face, color)| (first + face as u32, color)).collect();
+        scene.instances.push(SceneInstance { name, patches, transform, color, face_colors });
     }
     let [low, high] = model.bounds().ok_or(PrepareError::Empty)?;
     scene.bounds = Bounds { low, high };

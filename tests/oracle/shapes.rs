@@ -51,6 +51,7 @@ pub fn scene(parts: &[Part], offset: DVec3) -> Scene {
         patches: 0..parts.len(),
         transform: DAffine3::IDENTITY,
         color: None,
+        face_colors: Vec::new(),
     }];
     scene.bounds = Bounds { low: low + offset, high: high + offset };
     scene

@@ -191,8 +191,14 @@ impl Text {
     }
 
     /// One product in another, each with its shape; the relationship goes from the child's shape to the parent's, or
-    /// the other way.
-    pub fn usage(&mut self, name: &str, [parent, child]: [(u32, u32); 2], operator: u32, parent_first: bool) {
+    /// the other way. Returns the numbers of the usage, its shape, the relationship, and what joins these two.
+    pub fn usage(
+        &mut self,
+        name: &str,
+        [parent, child]: [(u32, u32); 2],
+        operator: u32,
+        parent_first: bool,
+    ) -> [u32; 4] {
         let [from, to] = if parent_first { [parent.1, child.1] } else { [child.1, parent.1] };
         let usage =
             self.add(format_args!("NEXT_ASSEMBLY_USAGE_OCCURRENCE('1','{name}','',#{},#{},$)", parent.0, child.0));
@@ -202,7 +208,8 @@ impl Text {
              SHAPE_REPRESENTATION_RELATIONSHIP())",
             from, to
         ));
-        self.add(format_args!("CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#{relation},#{place})"));
+        let dependent = self.add(format_args!("CONTEXT_DEPENDENT_SHAPE_REPRESENTATION(#{relation},#{place})"));
+        [usage, place, relation, dependent]
     }
 
     pub fn mapped(&mut self, representation: u32, origin: u32, target: u32) -> u32 {
@@ -217,13 +224,27 @@ impl Text {
     }
 
     pub fn style_of(&mut self, color: u32, item: u32) -> u32 {
+        let assigned = self.assigned(color);
+        self.add(format_args!("STYLED_ITEM('',(#{assigned}),#{item})"))
+    }
+
+    /// A style of the colour of this name on an item where `contexts` are passed; it overrides `style`.
+    pub fn style_in(&mut self, name: &str, item: u32, style: u32, contexts: &[u32]) {
+        let color = self.add(format_args!("DRAUGHTING_PRE_DEFINED_COLOUR('{name}')"));
+        let (assigned, contexts) = (self.assigned(color), list(contexts));
+        self.add(format_args!(
+            "CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',(#{assigned}),#{item},#{style},{contexts})"
+        ));
+    }
+
+    /// The assignment of a colour to surfaces.
+    fn assigned(&mut self, color: u32) -> u32 {
         let fill = self.add(format_args!("FILL_AREA_STYLE_COLOUR('',#{color})"));
         let area = self.add(format_args!("FILL_AREA_STYLE('',(#{fill}))"));
         let surface = self.add(format_args!("SURFACE_STYLE_FILL_AREA(#{area})"));
         let side = self.add(format_args!("SURFACE_SIDE_STYLE('',(#{surface}))"));
         let usage = self.add(format_args!("SURFACE_STYLE_USAGE(.BOTH.,#{side})"));
-        let assigned = self.add(format_args!("PRESENTATION_STYLE_ASSIGNMENT((#{usage}))"));
-        self.add(format_args!("STYLED_ITEM('',(#{assigned}),#{item})"))
+        self.add(format_args!("PRESENTATION_STYLE_ASSIGNMENT((#{usage}))"))
     }
 
     /// The whole file.

@@ -1,6 +1,6 @@
-//! What a file hides, what it has besides faces, and styles and references that lead elsewhere.
+//! What a file hides, what it has besides faces, and references that lead elsewhere.
 
-use crate::compose::{Text, Units, file, list, one_box};
+use crate::compose::{Text, Units, file, one_box};
 use crate::{clean, faces, model, parse};
 use halfpixel::import::load;
 
@@ -37,51 +37,6 @@ fn hidden_faces_of_a_shell_and_layers_of_layers() {
     let found = model(&text.file());
     assert_eq!((faces(&found).len(), found.unshown.hidden_faces), (4, 2));
     assert!(faces(&found).iter().all(|f| f.id != all[2] && f.id != all[3]));
-}
-
-/// Two places of one box; the second gets a style of its own.
-fn styled_in_context(styled: impl Fn(&[u32], u32) -> u32) -> Text {
-    let mut text = Text::default();
-    let context = text.context(Units::Millimetres);
-    let all = text.box_faces([0.0; 3], [1.0; 3]);
-    let shell = text.add(format_args!("CLOSED_SHELL('',{})", list(&all)));
-    let solid = text.add(format_args!("MANIFOLD_SOLID_BREP('',#{shell})"));
-    let [origin, place] = [text.at([0.0; 3]), text.at([5.0, 0.0, 0.0])];
-    let part = text.representation(&[solid], context);
-    let whole = text.representation(&[origin, place], context);
-    let [part_product, top] = [text.product("part", part), text.product("whole", whole)];
-    let mut relation = 0;
-    for (name, place) in [("left", origin), ("right", place)] {
-        let item = text.add(format_args!("ITEM_DEFINED_TRANSFORMATION('','',#{origin},#{place})"));
-        relation = text.next() + 2;
-        text.usage(name, [(top, whole), (part_product, part)], item, false);
-    }
-    let style = text.style([0.5; 3], styled(&all, solid));
-    let red = text.add("DRAUGHTING_PRE_DEFINED_COLOUR('red')");
-    let other = text.style_of(red, origin);
-    let assigned = text.lines()[(other - 10) as usize].clone();
-    let assigned =
-        assigned.split("((").nth(1).or(assigned.split(",(").nth(1)).expect("styles").split(')').next().unwrap();
-    text.add(format_args!(
-        "CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM('',({assigned}),#{},#{style},(#{relation}))",
-        styled(&all, solid)
-    ));
-    text
-}
-
-#[test]
-fn a_style_in_one_place_colours_that_place() {
-    let found = clean(&styled_in_context(|_, solid| solid).file());
-    let colors: Vec<_> = found.instances.iter().map(|i| (i.name.as_str(), i.color)).collect();
-    assert_eq!(colors, [("whole/left", None), ("whole/right", Some([1.0, 0.0, 0.0]))]);
-}
-
-#[test]
-fn a_style_of_one_face_in_one_place_is_said_and_colours_nothing_else() {
-    let found = model(&styled_in_context(|faces, _| faces[1]).file());
-    assert!(found.instances.iter().all(|i| i.color.is_none()));
-    assert!(found.warnings.iter().any(|w| w.message.contains("colour single faces of one component")));
-    assert_eq!(found.warnings.len(), 1, "{:?}", found.warnings);
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod hidden;
 mod mended;
 mod parts;
 mod real;
+mod recolor;
 mod syntax;
 mod units;
 

@@ -48,9 +48,22 @@ pub(super) struct Child {
     pub transform: DAffine3,
     pub name: String,
     pub color: Option<[f32; 3]>,
+    /// Of single faces of its parts, as in [`crate::model::Instance::face_colors`].
+    pub face_colors: Vec<(usize, [f32; 3])>,
+    /// The numbers by which a style may name this place.
+    pub contexts: Vec<u32>,
     /// Of the component usage or the mapped item, 0 without one.
     pub id: u32,
     pub hidden: bool,
+}
+
+impl Child {
+    /// A component; without a usage, what a transformation alone places.
+    fn of_usage(node: usize, transform: DAffine3, name: String, usage: Option<&Usage>) -> Self {
+        let contexts = usage.map_or(Vec::new(), |u| vec![u.id, u.place, u.dependent]);
+        let id = usage.map_or(0, |u| u.id);
+        Self { node, transform, name, color: None, face_colors: Vec::new(), contexts, id, hidden: false }
+    }
 }
 
 /// All nodes of a file.
@@ -229,7 +242,8 @@ impl<'f, 'a> Builder<'f, 'a> {
         let color = self.styles.item(mapped.item);
         let transform = target * origin.inverse();
         let (node, name) = (self.root(index), mapped.name.clone());
-        Ok(Child { node, transform, name, color, id: mapped.item, hidden: mapped.hidden })
+        let (id, hidden) = (mapped.item, mapped.hidden);
+        Ok(Child { node, transform, name, color, face_colors: Vec::new(), contexts: vec![id], id, hidden })
     }
 
     /// Children by transformations between representations, and usages that have none.
@@ -257,8 +271,8 @@ impl<'f, 'a> Builder<'f, 'a> {
             let [Some(parent), Some(node)] = ends else { continue };
             if parent != node {
                 self.warn(usage.id, "nothing says where this component is placed: it stays where it is");
-                let (name, transform, id) = (usage.name.clone(), DAffine3::IDENTITY, usage.id);
-                nodes[parent].children.push(Child { node, transform, name, color: None, id, hidden: false });
+                let (name, transform) = (usage.name.clone(), DAffine3::IDENTITY);
+                nodes[parent].children.push(Child::of_usage(node, transform, name, Some(usage)));
             }
         }
     }
@@ -308,10 +322,9 @@ impl<'f, 'a> Builder<'f, 'a> {
             return Err(StepError::Bad { entity: id, what: "a transformation that can't be inverted".into() });
         }
         let name = usage.map(|u| u.name.clone()).unwrap_or_default();
-        let usage_color = usage.and_then(|u| self.styles.context(u.id).or_else(|| self.styles.context(u.place)));
-        let color = usage_color.or_else(|| self.styles.context(id));
-        let id = usage.map_or(0, |u| u.id);
-        Ok(Some((parent, Child { node, transform, name, color, id, hidden: false })))
+        let mut child = Child::of_usage(node, transform, name, usage);
+        child.contexts.push(id);
+        Ok(Some((parent, child)))
     }
 
     /// From the first representation's frame to the second's.

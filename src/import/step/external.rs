@@ -53,9 +53,16 @@ fn add(
     }
     for external in uses {
         for instance in &instances {
-            let (name, color) = (instance.name.clone(), instance.color);
-            let (node, transform) = (first + instance.part, instance.transform);
-            assembly.nodes[external.node].children.push(Child { node, transform, name, color, id: 0, hidden: false });
+            assembly.nodes[external.node].children.push(Child {
+                node: first + instance.part,
+                transform: instance.transform,
+                name: instance.name.clone(),
+                color: instance.color,
+                face_colors: instance.face_colors.clone(),
+                contexts: Vec::new(),
+                id: 0,
+                hidden: false,
+            });
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Nested nodes as instances in the world.
 
 use super::assembly::Assembly;
-use crate::model::{Instance, Warning};
+use super::recolor::Recolor;
+use crate::model::{Instance, Part, Warning};
 use glam::DAffine3;
 
 /// Assemblies nest no deeper.
@@ -14,6 +15,8 @@ struct Walk<'a> {
     assembly: &'a Assembly,
     /// Parts of each node.
     parts: &'a [Vec<usize>],
+    all: &'a [Part],
+    recolor: &'a Recolor<'a>,
     /// Nodes with parts in them, or below them.
     holds: Vec<bool>,
     on_path: Vec<bool>,
@@ -23,12 +26,16 @@ struct Walk<'a> {
 }
 
 /// Where a walk stands.
-struct Place {
+struct Place<'a> {
     node: usize,
     transform: DAffine3,
     name: String,
     color: Option<[f32; 3]>,
+    /// Of single faces of this node's own parts.
+    face_colors: &'a [(usize, [f32; 3])],
     depth: usize,
+    /// Numbers by which a style may name this place, from the top.
+    contexts: Vec<u32>,
     /// Numbers of the product definitions and usages from the top to here.
     path: Vec<u32>,
     hidden: bool,
@@ -43,8 +50,8 @@ pub(super) struct Flat {
     pub warnings: Vec<Warning>,
 }
 
-/// Walks through the whole; `parts` has those of each node.
-pub(super) fn flatten(assembly: &Assembly, parts: &[Vec<usize>]) -> Flat {
+/// Walks through the whole; `parts` has those of each node among `all`.
+pub(super) fn flatten(assembly: &Assembly, parts: &[Vec<usize>], all: &[Part], recolor: &Recolor) -> Flat {
     let count = assembly.nodes.len();
     let mut is_child = vec![false; count];
     for child in assembly.nodes.iter().flat_map(|n| &n.children) {
@@ -53,6 +60,8 @@ pub(super) fn flatten(assembly: &Assembly, parts: &[Vec<usize>]) -> Flat {
     let mut walk = Walk {
         assembly,
         parts,
+        all,
+        recolor,
         holds: holders(assembly, parts),
         on_path: vec![false; count],
         reached: vec![false; count],
@@ -64,8 +73,9 @@ pub(super) fn flatten(assembly: &Assembly, parts: &[Vec<usize>]) -> Flat {
     for node in tops.chain(0..count) {
         if !walk.reached[node] {
             let name = assembly.nodes[node].name.clone();
-            let transform = DAffine3::IDENTITY;
-            walk.enter(Place { node, transform, name, color: None, depth: 0, path: Vec::new(), hidden: false });
+            let (transform, contexts, path) = (DAffine3::IDENTITY, Vec::new(), Vec::new());
+            let (color, face_colors) = (None, &[][..]);
+            walk.enter(Place { node, transform, name, color, face_colors, depth: 0, contexts, path, hidden: false });
         }
     }
     if walk.steps >= MAX_STEPS {
@@ -92,7 +102,7 @@ fn holders(assembly: &Assembly, parts: &[Vec<usize>]) -> Vec<bool> {
     holds
 }
 
-impl Walk<'_> {
+impl<'a> Walk<'a> {
     fn warn(&mut self, message: String) {
         // One of a kind is enough.
         if !self.flat.warnings.iter().any(|w| w.message == message) {
@@ -100,7 +110,7 @@ impl Walk<'_> {
         }
     }
 
-    fn enter(&mut self, mut place: Place) {
+    fn enter(&mut self, mut place: Place<'a>) {
         self.steps += 1;
         if self.steps > MAX_STEPS {
             return;
@@ -113,14 +123,18 @@ impl Walk<'_> {
         self.reached[place.node] = true;
         let assembly = self.assembly;
         place.path.extend(Some(assembly.nodes[place.node].id).filter(|&id| id != 0));
+        place.contexts.extend(assembly.nodes[place.node].groups.iter().map(|group| group.id).filter(|&id| id != 0));
         for &part in &self.parts[place.node] {
             if place.hidden {
                 self.flat.hidden.push(part);
                 continue;
             }
-            let Place { transform, ref name, color, ref path, .. } = place;
+            let inherited = (place.color, place.face_colors.to_vec());
+            let count = self.all[part].faces.len();
+            let (color, face_colors) = self.recolor.of(part, count, &place.contexts, inherited);
+            let Place { transform, ref name, ref path, .. } = place;
             let (name, path) = (name.clone(), path.clone());
-            self.flat.instances.push(Instance { part, transform, name, color, path });
+            self.flat.instances.push(Instance { part, transform, name, color, face_colors, path });
         }
         for child in &assembly.nodes[place.node].children {
             if !self.holds[child.node] {
@@ -133,8 +147,11 @@ impl Walk<'_> {
             let color = place.color.or(child.color);
             let mut path = place.path.clone();
             path.extend(Some(child.id).filter(|&id| id != 0));
+            let mut contexts = place.contexts.clone();
+            contexts.extend(child.contexts.iter().filter(|&&id| id != 0));
             let hidden = place.hidden || child.hidden;
-            self.enter(Place { node: child.node, transform, name, color, depth: place.depth + 1, path, hidden });
+            let (node, face_colors, depth) = (child.node, &child.face_colors[..], place.depth + 1);
+            self.enter(Place { node, transform, name, color, face_colors, depth, contexts, path, hidden });
         }
         self.on_path[place.node] = false;
     }

@@ -23,6 +23,7 @@ mod number;
 mod pcurve;
 mod place;
 mod products;
+mod recolor;
 mod replica;
 mod scan;
 mod spline;
@@ -67,18 +68,14 @@ pub(super) fn parse(bytes: &[u8], origin: &Origin) -> Result<Model, ParseError> 
     }
     let styles = styles::Styles::new(&file);
     let mut assembly = assembly::assemble(&file, &styles);
-    if let [first, ..] = styles.partial[..] {
-        let count = styles.partial.len();
-        let message = format!("#{first}: {count} styles colour single faces of one component alone: not shown");
-        warnings.push(Warning { entity: Some(first), message });
-    }
     let mut model = Model { name: origin.name.clone(), unit: Some("mm".into()), warnings, ..Model::default() };
     model.warnings.append(&mut assembly.warnings);
     model.lost.append(&mut assembly.lost);
     model.aliases = std::mem::take(&mut assembly.aliases);
     let mut parts = build_parts(&file, &assembly, &mut model);
     external::attach(&mut assembly, &mut parts, &mut model, origin);
-    let flat = flatten::flatten(&assembly, &parts);
+    let recolor = recolor::Recolor::new(&styles.overrides, &assembly, &model.parts);
+    let flat = flatten::flatten(&assembly, &parts, &model.parts, &recolor);
     model.instances = flat.instances;
     model.warnings.extend(flat.warnings);
     model.unshown.hidden_faces += flat.hidden.iter().map(|&part| model.parts[part].faces.len()).sum::<usize>();

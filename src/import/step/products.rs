@@ -9,6 +9,8 @@ pub(super) struct Usage {
     pub id: u32,
     /// The shape definition of the usage, which styles may name.
     pub place: u32,
+    /// The entity that joins this to the relationship which places it.
+    pub dependent: u32,
     pub name: String,
     /// Product definitions.
     pub parent: u32,
@@ -44,7 +46,7 @@ impl Products {
                 let Some((parent, child)) = args.optional_reference().zip(args.optional_reference()) else { continue };
                 let name = if name.is_empty() { number } else { name };
                 usage_by_id.insert(entity.id, products.usages.len());
-                products.usages.push(Usage { id: entity.id, place: 0, name, parent, child });
+                products.usages.push(Usage { id: entity.id, place: 0, dependent: 0, name, parent, child });
             } else if entity.kind == Kind::ShapeDefinitionRepresentation {
                 let Ok(mut args) = entity.args() else { continue };
                 let both = args.optional_reference().zip(args.optional_reference());
@@ -63,7 +65,7 @@ impl Products {
             let Some((relation, place)) = args.optional_reference().zip(args.optional_reference()) else { continue };
             let usage = definition_of(file, place).and_then(|usage| usage_by_id.get(&usage).copied());
             if let Some(index) = usage {
-                products.usages[index].place = place;
+                (products.usages[index].place, products.usages[index].dependent) = (place, entity.id);
                 products.by_relation.entry(relation).or_default().push(index);
             }
         }

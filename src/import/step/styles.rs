@@ -12,11 +12,18 @@ const MAX_DEPTH: u8 = 10;
 #[derive(Default)]
 pub(super) struct Styles {
     items: HashMap<u32, Styled>,
-    /// Of the relationship that places a part, for a style in that context only.
-    contexts: HashMap<u32, [f32; 3]>,
     hidden: HashSet<u32>,
-    /// Styles of single faces in one place of their part only, which are not shown.
-    pub partial: Vec<u32>,
+    /// In the order of the file.
+    pub overrides: Vec<Override>,
+}
+
+/// A colour that an item has in one place of the assembly only (`CONTEXT_DEPENDENT_OVER_RIDING_STYLED_ITEM`).
+pub(super) struct Override {
+    pub item: u32,
+    pub color: [f32; 3],
+    /// Numbers that the way from the top to that place passes, all of them: of usages, of what places them, of mapped
+    /// items, of representations.
+    pub contexts: Vec<u32>,
 }
 
 #[derive(Clone, Copy)]
@@ -44,14 +51,11 @@ impl Styles {
             let Some(color) = assigned.into_iter().find_map(|style| color_of(file, style, 0)) else { continue };
             let Some(item) = args.optional_reference() else { continue };
             if entity.kind == Kind::ContextDependentOverRidingStyledItem {
-                // Instances have one colour: their faces can't differ from those of the part.
-                if file.get(item).is_ok_and(|entity| matches!(entity.kind, Kind::AdvancedFace | Kind::FaceSurface)) {
-                    styles.partial.push(entity.id);
+                let contexts = args.skip(1).references().unwrap_or_default();
+                if !contexts.is_empty() {
+                    styles.overrides.push(Override { item, color, contexts });
                     continue;
                 }
-                let contexts = args.skip(1).references().unwrap_or_default();
-                styles.contexts.extend(contexts.into_iter().map(|context| (context, color)));
-                continue;
             }
             let styled = styles.items.entry(item).or_insert(Styled { color, overriding });
             if overriding || !styled.overriding {
@@ -68,10 +72,6 @@ impl Styles {
     /// Whether the file says that this is not to be seen.
     pub fn is_hidden(&self, id: u32) -> bool {
         self.hidden.contains(&id)
-    }
-
-    pub fn context(&self, id: u32) -> Option<[f32; 3]> {
-        self.contexts.get(&id).copied()
     }
 }
 
