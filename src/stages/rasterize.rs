@@ -358,12 +358,18 @@ impl Coverage {
         self.each(part, id, band, |near, _, fragment| *near = fragment);
     }
 
-    /// Calls `found` with every fragment in a part of `pixels` that would win: its place in the near buffer, its pixel in
-    /// the band, its word.
+    /// Calls `found` with every fragment in a part of `pixels` that would win: its place in the near buffer, its column and its
+    /// row in the band, its word.
     #[inline(always)]
-    pub fn each(&self, part: [(i64, i64); 2], id: u64, band: &mut Band, mut found: impl FnMut(&mut u64, u32, u64)) {
-        self.until(part, id, band, |near, pixel, fragment| {
-            found(near, pixel, fragment);
+    pub fn each(
+        &self,
+        part: [(i64, i64); 2],
+        id: u64,
+        band: &mut Band,
+        mut found: impl FnMut(&mut u64, [u32; 2], u64),
+    ) {
+        self.until(part, id, band, |near, place, fragment| {
+            found(near, place, fragment);
             false
         });
     }
@@ -375,7 +381,7 @@ impl Coverage {
         [(x0, x1), (y0, y1)]: [(i64, i64); 2],
         id: u64,
         band: &mut Band,
-        mut found: impl FnMut(&mut u64, u32, u64) -> bool,
+        mut found: impl FnMut(&mut u64, [u32; 2], u64) -> bool,
     ) {
         let t = &self.triangle;
         // Points on an edge that the top-left rule gives away are outside by one.
@@ -384,8 +390,8 @@ impl Coverage {
         let step_x: [i64; 3] = std::array::from_fn(|k| -(t.y[(k + 1) % 3] - t.y[k]) * SUBPIXELS as i64);
         let step_y: [i64; 3] = std::array::from_fn(|k| (t.x[(k + 1) % 3] - t.x[k]) * SUBPIXELS as i64);
         for y in y0..=y1 {
-            let first = (y - i64::from(band.rows[0])) as usize * band.width as usize;
-            let row = &mut band.near[first..][..band.width as usize];
+            let row_number = (y - i64::from(band.rows[0])) as u32;
+            let row = &mut band.near[row_number as usize * band.width as usize..][..band.width as usize];
             let dy = y - y0;
             let mut e: [i64; 3] = std::array::from_fn(|k| start[k] + step_y[k] * dy);
             let (mut first_x, mut last_x) = (x0, x1);
@@ -399,7 +405,7 @@ impl Coverage {
                     let weight = |k: usize| (e[k] + self.bias[k]) as f32;
                     let d = weight(0) * self.depth[0] + weight(1) * self.depth[1] + weight(2) * self.depth[2];
                     let fragment = id | u64::from(d.to_bits()) << 32;
-                    if fragment > *pixel && found(pixel, first as u32 + x as u32, fragment) {
+                    if fragment > *pixel && found(pixel, [x as u32, row_number], fragment) {
                         return;
                     }
                 }

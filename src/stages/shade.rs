@@ -5,7 +5,7 @@ use super::estimate::Tessellation;
 use super::evaluate::Meshlets;
 use super::fill::Filled;
 use super::frame::Targets;
-use super::interpolate::interpolate;
+use super::interpolate::{Shown, interpolate};
 use super::lens::Lens;
 use super::newton::{Batch, LANES, Surface, refine};
 use super::rasterize::BAND;
@@ -135,6 +135,9 @@ impl Shader<'_> {
         let surface = self.surface(leaf);
         let mut pixels = runs.iter().flat_map(|run| run.first..run.first + run.count);
         let mut batch = [0u32; LANES];
+        let (quads, width) = (self.grids[leaf as usize].quads, self.lens.size[0]);
+        // Neighbours mostly show the same triangle.
+        let mut last = None;
         loop {
             let mut count = 0;
             for slot in &mut batch {
@@ -147,7 +150,13 @@ impl Shader<'_> {
             }
             let word = |k: usize| words[batch[k] as usize];
             let pixels = &batch.map(|p| p + first)[..count];
-            let start = |k: usize| self.interpolated(leaf, word(k), pixels[k]);
+            let start = |k: usize| {
+                let (pixel, triangle) = (pixels[k], word(k) as u32);
+                if last.as_ref().is_none_or(|&(of, _)| of != triangle) {
+                    last = Some((triangle, Shown::new(self.meshlets, quads, word(k))));
+                }
+                last.as_ref().map_or([0.0; 2], |(_, shown)| shown.at(pixel % width, pixel / width))
+            };
             self.batch(&surface, leaf, pixels, start, word, &mut |k, surfel| write(batch[k] as usize, surfel));
         }
     }
@@ -181,7 +190,7 @@ impl Shader<'_> {
         surface: &Surface,
         number: u32,
         pixels: &[u32],
-        start: impl Fn(usize) -> [f32; 2],
+        mut start: impl FnMut(usize) -> [f32; 2],
         word: impl Fn(usize) -> u64,
         write: &mut impl FnMut(usize, Surfel),
     ) {
@@ -197,14 +206,9 @@ impl Shader<'_> {
         for (k, &pixel) in pixels.iter().enumerate() {
             let normal = Vec3::from_array([0, 1, 2].map(|c| lanes.normal[c][k]));
             let parameters = [lanes.s[k], lanes.t[k]];
-            let look = show::Look {
-                number,
-                parameters,
-                word: word(k),
-                pixel,
-                normal: self.camera_normal(leaf, normal, pixel),
-                towards_eye: -self.ray(pixel),
-            };
+            let ray = self.ray(pixel);
+            let normal = self.camera_normal(leaf, normal, ray);
+            let look = show::Look { number, parameters, word: word(k), pixel, normal, towards_eye: -ray };
             let depth = self.stored_depth(surface.depth_origin + lanes.z[k]);
             let (residual, away) = (lanes.residual[k], lanes.faces_away(k, leaf.hidden));
             write(k, Surfel { parameters, color: show::color(self, &look), residual, depth, away });
@@ -305,7 +309,7 @@ impl Shader<'_> {
     ///
     /// The leaf's affine axes are M times camera axes, M = [[f, 0, -cx], [0, f, -cy], [0, 0, 1]] in perspective and
     /// diag(s, s, 1) in orthographic views: normals go back with the transpose of M.
-    fn camera_normal(&self, leaf: &Leaf, n: Vec3, pixel: u32) -> Vec3 {
+    fn camera_normal(&self, leaf: &Leaf, n: Vec3, ray: Vec3) -> Vec3 {
         // Only the direction counts: M over its scale keeps numbers near one.
         let inverse = 1.0 / self.lens.scale as f32;
         let n = n.normalize_or_zero();
@@ -313,7 +317,6 @@ impl Shader<'_> {
         if self.lens.perspective {
             z -= (leaf.center[0] as f32 * n.x + leaf.center[1] as f32 * n.y) * inverse;
         }
-        let ray = self.ray(pixel);
         let normal = Vec3::new(n.x, n.y, z).normalize_or(-ray);
         if normal.dot(ray) > 0.0 { -normal } else { normal }
     }

@@ -19,9 +19,9 @@ pub(super) struct Look {
     pub towards_eye: Vec3,
 }
 
-/// Directional lights in camera axes (x right, y down, z away): direction towards the light and strength.
-const KEY: (Vec3, f32) = (Vec3::new(-0.45, -0.65, -0.61), 0.85);
-const FILL: (Vec3, f32) = (Vec3::new(0.75, 0.10, -0.65), 0.30);
+/// Directional lights in camera axes (x right, y down, z away): unit direction towards the light and strength.
+const KEY: (Vec3, f32) = (Vec3::new(-0.450_653_94, -0.650_944_53, -0.610_886_4), 0.85);
+const FILL: (Vec3, f32) = (Vec3::new(0.751_882, 0.100_250_94, -0.651_631_1), 0.30);
 const AMBIENT: f32 = 0.08;
 const SPECULAR: f32 = 0.25;
 /// Edge length in pixels at which `--show triangle-size` turns from red to green (ETER figure 7).
@@ -58,7 +58,6 @@ fn blinn_phong(base: [f32; 3], look: &Look) -> [f32; 3] {
     let mut diffuse = AMBIENT;
     let mut specular = 0.0;
     for (towards, strength) in [KEY, FILL] {
-        let towards = towards.normalize();
         diffuse += strength * look.normal.dot(towards).max(0.0);
         let shine = look.normal.dot((towards + look.towards_eye).normalize_or_zero()).max(0.0);
         // To the 32nd power by squaring.

@@ -206,7 +206,8 @@ pub(super) fn stroke(corners: &[Vertex; 3], side: usize, pen: &Pen, id: u64, ban
 pub(super) fn turned_away(corners: &[Vertex; 3], id: u64, band: &mut Band) {
     let Some(coverage) = Coverage::new(corners, band) else { return };
     let mut found = Vec::new();
-    coverage.each(coverage.pixels, id, band, |_, pixel, fragment| found.push((pixel, fragment)));
+    let width = band.width as u32;
+    coverage.each(coverage.pixels, id, band, |_, [x, y], fragment| found.push((y * width + x, fragment)));
     for (pixel, fragment) in found {
         band.spare_fragment(pixel, fragment);
     }

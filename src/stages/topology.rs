@@ -90,7 +90,8 @@ pub(super) fn primitive(meshlet: &Meshlet, index: u32) -> Primitive {
         let k = index - FIRST_EDGE;
         return Primitive::Edge(edge(meshlet, (k / EDGES_A_SIDE) as usize, (k % EDGES_A_SIDE) as usize));
     }
-    let quad = index as usize / 2;
-    let across = meshlet.quads[1] as usize;
-    Primitive::Triangle(triangles(quad / across, quad % across, meshlet.diagonal)[index as usize % 2])
+    // Divisions of bytes are the cheapest.
+    let (quad, across) = ((index / 2) as u8, meshlet.quads[1]);
+    let [a, b] = [quad / across, quad % across].map(usize::from);
+    Primitive::Triangle(triangles(a, b, meshlet.diagonal)[index as usize % 2])
 }

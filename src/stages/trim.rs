@@ -219,8 +219,9 @@ impl Trimmer<'_> {
         self.lines.clear();
         let reach = |gap: f64| cut.reach(deviation, gap);
         if !lines(&cut.tree, &self.curves, coverage.pixels, &to_screen, &within, reach, &mut self.lines) {
-            let queue = &mut self.queue;
-            return coverage.each(coverage.pixels, id, band, |_, pixel, fragment| queue.push((pixel, fragment)));
+            let (queue, width) = (&mut self.queue, band.width as u32);
+            return coverage
+                .each(coverage.pixels, id, band, |_, [x, y], fragment| queue.push((y * width + x, fragment)));
         }
         self.curves.clear();
         self.curves.extend(0..self.lines.len() as u32);
@@ -271,9 +272,10 @@ impl Trimmer<'_> {
         let [(x0, _), (y0, y1)] = block;
         let fragments = &mut self.fragments;
         let mut wins: Rows = [0; BLOCK];
-        let first = (y0 - top) as u32 * width + x0 as u32;
-        coverage.each(block, id, band, |_, pixel, fragment| {
-            let (row, column) = ((pixel - first) / width, (pixel - first) % width);
+        let (left, upper) = (x0 as u32, (y0 - top) as u32);
+        let first = upper * width + left;
+        coverage.each(block, id, band, |_, [x, y], fragment| {
+            let (row, column) = (y - upper, x - left);
             fragments[row as usize][column as usize] = fragment;
             wins[row as usize] |= 1 << column;
         });
