@@ -4,7 +4,7 @@ use super::basis::BasisTables;
 use super::cull::Leaf;
 use super::estimate::{MESHLET, Tessellation};
 use super::lens::Lens;
-use super::trim_cut::{self, Cut};
+use super::trim_cut::{self, Cut, MAX_GAP};
 use super::{Interpolation, Options, TrimCounts};
 use crate::scene::{Region, Scene};
 use glam::Vec4;
@@ -40,7 +40,8 @@ pub(super) struct Meshlet {
     pub tested: bool,
     /// Which of its sides (u=0, u=1, v=0, v=1) are the leaf's, or where the next meshlet is trimmed away: bits 0 to 3.
     pub outer: u8,
-    /// Rows of pixels it may touch, strokes included: first and one past the last.
+    /// Columns and rows of pixels it may touch, strokes included: first and one past the last.
+    pub columns: [u16; 2],
     pub rows: [u16; 2],
 }
 
@@ -133,6 +134,12 @@ impl Evaluator<'_> {
                 | u8::from(first[1] == 0 || dropped(a, b - 1)) << 2
                 | u8::from(end[1] == grid.quads[1] || dropped(a, b + 1)) << 3
         };
+        // What fragments are off by, or strokes reach: conservative ones half a pixel.
+        let reach = f64::from(grid.deviation[0]).max(0.5 * self.view.options.tolerance).max(0.5) + MAX_GAP;
+        let size = self.view.lens.size;
+        let touched = |axis: usize, vertices: &[Vertex], place: fn(&Vertex) -> i32| {
+            touched(vertices.iter().map(place), reach.ceil() as i32, size[axis])
+        };
         let mut columns_of = std::mem::take(&mut self.columns);
         for (a, (first_u, quads_u)) in blocks(grid.quads[0]).enumerate() {
             for (b, (first_v, quads_v)) in blocks(grid.quads[1]).enumerate() {
@@ -159,7 +166,8 @@ impl Evaluator<'_> {
                     hidden: leaf.hidden,
                     tested: false,
                     outer: outer(a, b, [first_u, first_v], [first_u + quads_u, first_v + quads_v]),
-                    rows: self.rows(&out.vertices[start..]),
+                    columns: touched(0, &out.vertices[start..], |v| v.x),
+                    rows: touched(1, &out.vertices[start..], |v| v.y),
                 };
                 if let Some(cut) = &cut {
                     match trim_cut::region(cut, grid, &meshlet, &out.vertices[start..]) {
@@ -192,14 +200,14 @@ impl Evaluator<'_> {
             }
         }
     }
+}
 
-    /// The pixel rows a meshlet may touch; a pixel to spare for strokes and conservative fragments.
-    fn rows(&self, vertices: &[Vertex]) -> [u16; 2] {
-        let low = vertices.iter().map(|v| v.y).min().unwrap_or(0).div_euclid(SUBPIXELS) - 1;
-        let high = vertices.iter().map(|v| v.y).max().unwrap_or(0).div_euclid(SUBPIXELS) + 2;
-        let height = self.view.lens.size[1] as i32;
-        [low.clamp(0, height) as u16, high.clamp(0, height) as u16]
-    }
+/// The columns or rows of pixels that vertices at these places may touch, `reach` pixels about them: first and one past the
+/// last.
+fn touched(places: impl Iterator<Item = i32>, reach: i32, size: u32) -> [u16; 2] {
+    let (low, high) = places.fold((i32::MAX, i32::MIN), |(low, high), place| (low.min(place), high.max(place)));
+    let [low, high] = [low.div_euclid(SUBPIXELS) - reach, high.div_euclid(SUBPIXELS) + 1 + reach];
+    [low, high].map(|end| end.clamp(0, size as i32) as u16)
 }
 
 /// Sums the net over u on grid line i: one point per column of the net.

@@ -10,6 +10,7 @@ mod fold_step;
 mod frame;
 mod interpolate;
 mod lens;
+mod light;
 mod newton;
 mod options;
 mod rasterize;

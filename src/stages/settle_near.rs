@@ -51,12 +51,11 @@ pub(super) fn by_band<T: Send>(
         pixels[range.clone()].iter().for_each(|f| before[(f.pixel % width) as usize + 1] += 1);
         (0..width as usize).for_each(|x| before[x + 1] += before[x]);
         let mut wanted = Wanted { shader, first: rows[0], rows: Vec::new(), before, found: Vec::new() };
-        let place = |f: &Filled, &behind: &f32| (f.pixel % width, behind);
         for row in rows[0]..rows[1] {
             let range = from(row)..from(row + 1);
-            let behind = &behind[range.clone()];
             let start = (range.start - from(rows[0])) as u32;
-            wanted.rows.push((start, pixels[range].iter().zip(behind).map(|(f, b)| place(f, b)).collect()));
+            let columns = pixels[range.clone()].iter().map(|f| f.pixel % width);
+            wanted.rows.push(Row::new(start, width, columns.zip(behind[range].iter().copied())));
         }
         for &number in bins.of(k) {
             wanted.meshlet(number);
@@ -72,11 +71,47 @@ struct Wanted<'a> {
     shader: &'a Shader<'a>,
     /// The band's first row.
     first: u32,
-    /// By row: number of its first pixel, and columns with the depths to be nearer than.
-    rows: Vec<(u32, Vec<(u32, f32)>)>,
+    rows: Vec<Row>,
     /// How many of them lie in the columns before each.
     before: Vec<u32>,
     found: Vec<Candidate>,
+}
+
+/// One row's pixels.
+struct Row {
+    /// Number of its first pixel.
+    start: u32,
+    /// Columns, ascending, with the depths to be nearer than.
+    pixels: Vec<(u32, f32)>,
+    /// A bit for each of the image's columns, and how many are set in the words before.
+    bits: Vec<(u64, u32)>,
+}
+
+impl Row {
+    fn new(start: u32, width: u32, pixels: impl Iterator<Item = (u32, f32)>) -> Self {
+        let mut row = Self { start, pixels: pixels.collect(), bits: vec![(0, 0); width as usize / 64 + 1] };
+        row.pixels.iter().for_each(|&(x, _)| row.bits[x as usize / 64].0 |= 1 << (x % 64));
+        let mut before = 0;
+        for (bits, count) in &mut row.bits {
+            *count = before;
+            before += bits.count_ones();
+        }
+        row
+    }
+
+    /// The places of some columns in the list.
+    fn columns(&self, (low, high): (i64, i64)) -> Range<usize> {
+        self.before(low)..self.before(high + 1)
+    }
+
+    /// How many pixels come before a column.
+    fn before(&self, column: i64) -> usize {
+        let column = column.max(0) as usize;
+        let after = self.pixels.len();
+        self.bits.get(column / 64).map_or(after, |&(bits, before)| {
+            before as usize + (bits & ((1 << (column % 64)) - 1)).count_ones() as usize
+        })
+    }
 }
 
 impl Wanted<'_> {
@@ -86,11 +121,11 @@ impl Wanted<'_> {
         let leaf = &leaves[meshlet.leaf as usize];
         let [pixels, depth] = grids[meshlet.leaf as usize].deviation.map(f64::from);
         // Within the model's gap the border stands in for what is missing.
-        let reach = |gap: f64| ((pixels + gap + f64::from(EXACT)) * f64::from(SUBPIXELS)).ceil() as i64;
-        if self.nothing_near(meshlet, reach(trim_cut::MAX_GAP)) {
+        if self.nothing_near(meshlet) {
             return;
         }
-        let reach = reach(trim_cut::gaps(scene, lens, leaf)[1]);
+        let gap = trim_cut::gaps(scene, lens, leaf)[1];
+        let reach = ((pixels + gap + f64::from(EXACT)) * f64::from(SUBPIXELS)).ceil() as i64;
         for a in 0..usize::from(meshlet.quads[0]) {
             for b in 0..usize::from(meshlet.quads[1]) {
                 for (k, corners) in triangles(a, b, meshlet.diagonal).into_iter().enumerate() {
@@ -102,16 +137,11 @@ impl Wanted<'_> {
         }
     }
 
-    /// No pixel lies in the box of the meshlet's vertices.
-    fn nothing_near(&self, meshlet: &Meshlet, reach: i64) -> bool {
-        let count = (usize::from(meshlet.quads[0]) + 1) * (usize::from(meshlet.quads[1]) + 1);
-        let vertices = &self.shader.meshlets.vertices[meshlet.vertices as usize..][..count];
-        let range = |of: fn(&Vertex) -> i32| {
-            vertices.iter().map(of).fold((i64::MAX, i64::MIN), |(l, h), c| (l.min(c.into()), h.max(c.into())))
-        };
-        let (x, y) = (range(|v| v.x), range(|v| v.y));
-        let [x, y] = [x, y].map(|(low, high)| pixel_range(low - reach, high + reach));
-        self.none_in(x) || self.rows_of(y).all(|(_, row)| columns(&self.rows[row].1, x).is_empty())
+    /// No pixel lies in the box that the meshlet may touch.
+    fn nothing_near(&self, meshlet: &Meshlet) -> bool {
+        let ends = |[low, high]: [u16; 2]| (i64::from(low), i64::from(high) - 1);
+        let (x, y) = (ends(meshlet.columns), ends(meshlet.rows));
+        self.none_in(x) || self.rows_of(y).all(|(_, row)| self.rows[row].columns(x).is_empty())
     }
 
     /// No pixel lies in these columns; most boxes are told by that alone.
@@ -138,8 +168,8 @@ impl Wanted<'_> {
         }
         let mut drawn = None;
         for (y, row) in self.rows_of(ends(vertices.map(|v| v.y))) {
-            let (start, pixels) = &self.rows[row];
-            let near = columns(pixels, x);
+            let row = &self.rows[row];
+            let near = row.columns(x);
             if near.is_empty() {
                 continue;
             }
@@ -147,22 +177,16 @@ impl Wanted<'_> {
                 let t = Triangle::new(vertices);
                 (t, Plane::new(&t, reach))
             });
-            let at = pixels[near.start].0.into();
-            let Some(ends) = within(t, reach, y, at, pixels[near.end - 1].0.into()) else { continue };
-            for k in columns(pixels, ends) {
-                let (x, behind) = pixels[k];
+            let [first, last] = [near.start, near.end - 1].map(|k| row.pixels[k].0.into());
+            let Some(ends) = within(t, reach, y, first, last) else { continue };
+            for k in row.columns(ends) {
+                let (x, behind) = row.pixels[k];
                 if plane.nearest(x.into(), y) > self.shader.farther(behind, depth) {
-                    self.found.push(Candidate { slot: start + k as u32, ..candidate });
+                    self.found.push(Candidate { slot: row.start + k as u32, ..candidate });
                 }
             }
         }
     }
-}
-
-/// The places of some columns in a row's sorted list.
-fn columns(row: &[(u32, f32)], (low, high): (i64, i64)) -> Range<usize> {
-    let start = row.partition_point(|&(x, _)| i64::from(x) < low);
-    start..start + row[start..].partition_point(|&(x, _)| i64::from(x) <= high)
 }
 
 /// The columns from `low` to `high` of row `y` whose pixels' centres have the triangle within `reach`, in x and in y: the

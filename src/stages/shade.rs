@@ -7,6 +7,7 @@ use super::fill::Filled;
 use super::frame::Targets;
 use super::interpolate::{Shown, interpolate};
 use super::lens::Lens;
+use super::light::{Light, Seen, light};
 use super::newton::{Batch, LANES, Surface, refine};
 use super::rasterize::BAND;
 use super::settle::{Doubt, DoubtKind, EXACT, refuse, resettle, settle};
@@ -16,7 +17,7 @@ use super::trim_texture::Texture;
 use super::{Fill, Options, show};
 use crate::scene::Scene;
 use fearless_simd::{Level, dispatch};
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 use rayon::prelude::*;
 
 /// Everything that shading reads.
@@ -203,12 +204,15 @@ impl Shader<'_> {
             [lanes.x[k], lanes.y[k]] = self.target(leaf, pixels[j]);
         }
         self.refine(surface, self.options.refine, &mut lanes);
+        let width = self.lens.size[0];
+        let places = std::array::from_fn(|k| pixels[k.min(pixels.len() - 1)]).map(|p| [p % width, p / width]);
+        let seen = Seen { lens: self.lens, center: leaf.center, pixels: places };
+        let mut lit = Light::default();
+        let level = Level::new();
+        dispatch!(level, simd => light(simd, &seen, &lanes, &mut lit));
         for (k, &pixel) in pixels.iter().enumerate() {
-            let normal = Vec3::from_array([0, 1, 2].map(|c| lanes.normal[c][k]));
             let parameters = [lanes.s[k], lanes.t[k]];
-            let ray = self.ray(pixel);
-            let normal = self.camera_normal(leaf, normal, ray);
-            let look = show::Look { number, parameters, word: word(k), pixel, normal, towards_eye: -ray };
+            let look = show::Look { number, parameters, word: word(k), pixel, light: &lit, lane: k };
             let depth = self.stored_depth(surface.depth_origin + lanes.z[k]);
             let (residual, away) = (lanes.residual[k], lanes.faces_away(k, leaf.hidden));
             write(k, Surfel { parameters, color: show::color(self, &look), residual, depth, away });
@@ -292,32 +296,5 @@ impl Shader<'_> {
             Surfel { parameters: [0.0; 2], color: [0.0; 3], residual: f32::INFINITY, depth: 0.0, away: false };
         self.batch(&self.surface(leaf), leaf, &[filled.pixel], |_| start, |_| word, &mut |_, surfel| found = surfel);
         found
-    }
-
-    /// Unit direction of the ray through a pixel centre, camera axes.
-    fn ray(&self, pixel: u32) -> Vec3 {
-        if !self.lens.perspective {
-            return Vec3::Z;
-        }
-        let (x, y) = (pixel % self.lens.size[0], pixel / self.lens.size[0]);
-        let scale = 1.0 / self.lens.scale as f32;
-        let d = |p: u32, k: usize| (p as f32 + 0.5 - self.lens.half(k) as f32) * scale;
-        Vec3::new(d(x, 0), d(y, 1), 1.0).normalize()
-    }
-
-    /// The normal in camera axes, facing the eye, unit length; towards the eye where the surface has none.
-    ///
-    /// The leaf's affine axes are M times camera axes, M = [[f, 0, -cx], [0, f, -cy], [0, 0, 1]] in perspective and
-    /// diag(s, s, 1) in orthographic views: normals go back with the transpose of M.
-    fn camera_normal(&self, leaf: &Leaf, n: Vec3, ray: Vec3) -> Vec3 {
-        // Only the direction counts: M over its scale keeps numbers near one.
-        let inverse = 1.0 / self.lens.scale as f32;
-        let n = n.normalize_or_zero();
-        let mut z = n.z * inverse;
-        if self.lens.perspective {
-            z -= (leaf.center[0] as f32 * n.x + leaf.center[1] as f32 * n.y) * inverse;
-        }
-        let normal = Vec3::new(n.x, n.y, z).normalize_or(-ray);
-        if normal.dot(ray) > 0.0 { -normal } else { normal }
     }
 }

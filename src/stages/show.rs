@@ -1,12 +1,12 @@
 //! What colour a shaded pixel gets: the lit surface, or one of the pictures that explain a frame (`--show`).
 
 use super::Show;
+use super::light::Light;
 use super::shade::Shader;
 use super::topology::{Primitive, index_of, meshlet_of, primitive};
-use glam::Vec3;
 
 /// One pixel's surface, as colours see it.
-pub(super) struct Look {
+pub(super) struct Look<'a> {
     /// Leaf number.
     pub number: u32,
     /// Leaf parameters after refinement.
@@ -14,29 +14,24 @@ pub(super) struct Look {
     pub word: u64,
     /// Pixel number in the image.
     pub pixel: u32,
-    /// Camera axes, facing the eye.
-    pub normal: Vec3,
-    pub towards_eye: Vec3,
+    /// The light on it and some more pixels, and which of them it is.
+    pub light: &'a Light,
+    pub lane: usize,
 }
 
-/// Directional lights in camera axes (x right, y down, z away): unit direction towards the light and strength.
-const KEY: (Vec3, f32) = (Vec3::new(-0.450_653_94, -0.650_944_53, -0.610_886_4), 0.85);
-const FILL: (Vec3, f32) = (Vec3::new(0.751_882, 0.100_250_94, -0.651_631_1), 0.30);
-const AMBIENT: f32 = 0.08;
-const SPECULAR: f32 = 0.25;
 /// Edge length in pixels at which `--show triangle-size` turns from red to green (ETER figure 7).
 const SMALL_TRIANGLE: i32 = 16;
 
 /// Linear RGB of a pixel.
 pub(super) fn color(shader: &Shader, look: &Look) -> [f32; 3] {
     let leaf = &shader.leaves[look.number as usize];
-    let lit = |base: [f32; 3]| blinn_phong(base, look);
+    let lit = |base: [f32; 3]| look.light.on(base, look.lane);
     match shader.options.show {
         Show::Shaded => lit(shader.scene.color(leaf.instance, leaf.patch)),
         Show::Patches => lit(hashed(leaf.patch.wrapping_mul(31).wrapping_add(leaf.instance))),
         Show::Meshlets => lit(hashed(meshlet_of(look.word) ^ 0x5bd1_e995)),
         Show::Grid => grid(shader, look),
-        Show::Normals => (look.normal * Vec3::new(0.5, -0.5, -0.5) + 0.5).to_array(),
+        Show::Normals => [0, 1, 2].map(|k| [0.5, -0.5, -0.5][k] * look.light.normal[k][look.lane] + 0.5),
         Show::Depth => {
             let depth = super::topology::depth_of(look.word);
             // From the far end of the model's depth (dark) to the near one.
@@ -52,19 +47,6 @@ impl Shader<'_> {
     fn near_over_far(&self) -> f32 {
         (self.lens.near / (self.lens.near + self.lens.extent)) as f32
     }
-}
-
-fn blinn_phong(base: [f32; 3], look: &Look) -> [f32; 3] {
-    let mut diffuse = AMBIENT;
-    let mut specular = 0.0;
-    for (towards, strength) in [KEY, FILL] {
-        diffuse += strength * look.normal.dot(towards).max(0.0);
-        let shine = look.normal.dot((towards + look.towards_eye).normalize_or_zero()).max(0.0);
-        // To the 32nd power by squaring.
-        let shine = (0..5).fold(shine, |s, _| s * s);
-        specular += strength * SPECULAR * shine;
-    }
-    base.map(|c| c * diffuse + specular)
 }
 
 /// How far from the pixel's centre the surface point of its interpolated parameter projects, in pixels, by f64.
@@ -104,7 +86,7 @@ fn hashed(number: u32) -> [f32; 3] {
 fn grid(shader: &Shader, look: &Look) -> [f32; 3] {
     let leaf = &shader.leaves[look.number as usize];
     let quads = shader.grids[look.number as usize].quads;
-    let base = blinn_phong(shader.scene.color(leaf.instance, leaf.patch), look);
+    let base = look.light.on(shader.scene.color(leaf.instance, leaf.patch), look.lane);
     let meshlet = &shader.meshlets.meshlets[meshlet_of(look.word) as usize];
     let size = [0, 1].map(|k| {
         // Pixels a quad measures along its side, from the meshlet's corners.

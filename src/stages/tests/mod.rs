@@ -60,6 +60,7 @@ fn single([a, b, c]: [Vertex; 3], height: u32) -> Meshlets {
         diagonal: 0,
         tested: false,
         outer: 0b0100,
+        columns: [0, u16::MAX],
         rows: [0, height as u16],
     };
     // Corners (0,0), (0,1), (1,0), (1,1).

@@ -16,6 +16,7 @@ fn shapes() -> impl Iterator<Item = Meshlet> {
             hidden: 0,
             tested: false,
             outer: 15,
+            columns: [0, 0],
             rows: [0, 0],
         })
     })
