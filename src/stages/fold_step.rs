@@ -62,17 +62,13 @@ pub(super) fn fold_step<S: Simd>(
     let unseen = [whole[0] - part[0], whole[1] - part[1]];
     let seen = [from[0] + part[0], from[1] + part[1]];
     // How much of the rest stays inside, and near enough for a parabola to say something.
-    let room = |k: usize| {
-        let [low, high] = surface.domain[k];
-        let ahead = unseen[k].simd_gt(zero).select(high - seen[k], seen[k] - low);
-        ahead.min(f32x8::splat(simd, FAR)) / (unseen[k].abs() + TINY)
-    };
+    let rooms = [room(simd, surface.domain[0], seen[0], unseen[0]), room(simd, surface.domain[1], seen[1], unseen[1])];
     let det = a * d - b * c;
     let degree = surface.degree[0].max(surface.degree[1]) as f32;
     let on_fold = det.abs().simd_lt(largest.sqrt() * (surface.rounding * degree * DERIVATIVE_ROUNDING));
     let one = f32x8::splat(simd, 1.0);
     let limit = on_fold.select(f32x8::splat(simd, f32::MAX), one);
-    let fraction = room(0).min(room(1)).min(limit);
+    let fraction = rooms[0].min(rooms[1]).min(limit);
     FoldStep {
         near: (det * det).simd_lt(largest * largest * NEAR_FOLD) & fraction.simd_gt(zero),
         across: image[0] * ry - image[1] * rx,
@@ -90,11 +86,23 @@ pub(super) fn fold_step<S: Simd>(
 /// The parameters of this trial, clamped to the patch.
 #[simd]
 pub(super) fn trial<S: Simd>(simd: S, step: &FoldStep<S>, surface: &Surface) -> [f32x8<S>; 2] {
-    [0, 1].map(|k| {
-        let [low, high] = surface.domain[k];
-        let at = step.seen[k] + (step.unseen[k] + step.bend[k] * step.fraction) * step.fraction;
-        at.max(f32x8::splat(simd, low)).min(f32x8::splat(simd, high))
-    })
+    let FoldStep { seen, unseen, bend, fraction, .. } = step;
+    let s = seen[0] + (unseen[0] + bend[0] * *fraction) * *fraction;
+    let t = seen[1] + (unseen[1] + bend[1] * *fraction) * *fraction;
+    [clamp(simd, s, surface.domain[0]), clamp(simd, t, surface.domain[1])]
+}
+
+/// The share of a step in one parameter that ends inside the domain and not too far out.
+#[simd]
+fn room<S: Simd>(simd: S, [low, high]: [f32; 2], from: f32x8<S>, by: f32x8<S>) -> f32x8<S> {
+    let ahead = by.simd_gt(f32x8::splat(simd, 0.0)).select(high - from, from - low);
+    ahead.min(f32x8::splat(simd, FAR)) / (by.abs() + TINY)
+}
+
+/// Within both ends.
+#[simd]
+pub(super) fn clamp<S: Simd>(simd: S, v: f32x8<S>, [low, high]: [f32; 2]) -> f32x8<S> {
+    v.max(f32x8::splat(simd, low)).min(f32x8::splat(simd, high))
 }
 
 /// The next trial after one that left the residual (rx, ry); without `solve` just shorter.

@@ -1,7 +1,7 @@
 //! Refinement: from a pixel's interpolated parameter to the exact surface point under its centre, eight pixels of one
 //! leaf at a time (DESIGN section 4, "Refinement"; research "crack-closing", section 2, rule 6).
 
-use super::fold_step::{FoldStep, NEAR_FOLD, fold_step, shorten, trial};
+use super::fold_step::{FoldStep, NEAR_FOLD, clamp, fold_step, shorten, trial};
 use fearless_simd::{f32x8, mask32x8, prelude::*};
 use fearless_simd_macros::simd;
 use glam::Vec4;
@@ -127,7 +127,7 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
             s = take.select(ns, s);
             t = take.select(nt, t);
             residual = take.select(r, residual);
-            point = merge(take, next, point);
+            point = merge(simd, take, next, point);
             pending &= !take;
             if !pending.any_true() {
                 break;
@@ -211,19 +211,19 @@ fn step<S: Simd>(
     let inverse = regular.select(exact, damped);
     let ds = regular.select(rx * d - ry * c, cc * ga - ac * gc) / inverse;
     let dt = regular.select(ry * a - rx * b, aa * gc - ac * ga) / inverse;
-    let [[s0, s1], [t0, t1]] = surface.domain;
-    let clamp = |v: f32x8<S>, low: f32, high: f32| v.max(f32x8::splat(simd, low)).min(f32x8::splat(simd, high));
+    let [range_s, range_t] = surface.domain;
     let (ns, nt) = (s + ds, t + dt);
-    let (ks, kt) = (clamp(ns, s0, s1), clamp(nt, t0, t1));
+    let (ks, kt) = (clamp(simd, ns, range_s), clamp(simd, nt, range_t));
     // The other parameter, solved again with the clamped one held.
     let tiny = 1e-30;
-    let ts = clamp(t + (gc - ac * (ks - s)) / (cc + tiny), t0, t1);
-    let st = clamp(s + (ga - ac * (kt - t)) / (aa + tiny), s0, s1);
+    let ts = clamp(simd, t + (gc - ac * (ks - s)) / (cc + tiny), range_t);
+    let st = clamp(simd, s + (ga - ac * (kt - t)) / (aa + tiny), range_s);
     let s_met = !ks.simd_eq(ns);
     let t_met = !kt.simd_eq(nt);
     // Both met their ends: the better of the two, by what the linear model leaves.
-    let left = |ds: f32x8<S>, dt: f32x8<S>| (rx - a * ds - c * dt).abs().max((ry - b * ds - d * dt).abs());
-    let hold_s = s_met & (!t_met | left(ks - s, ts - t).simd_le(left(st - s, kt - t)));
+    let by_s = left(simd, [a, b, c, d], [rx, ry], [ks - s, ts - t]);
+    let by_t = left(simd, [a, b, c, d], [rx, ry], [st - s, kt - t]);
+    let hold_s = s_met & (!t_met | by_s.simd_le(by_t));
     let hold_t = t_met & !hold_s;
     let plain = [hold_t.select(st, ks), hold_s.select(ts, kt)];
     // The trace bounds the larger eigenvalue that `near` asks about.
@@ -235,19 +235,27 @@ fn step<S: Simd>(
     (beside_fold(simd, &fold, surface, plain), Some(fold))
 }
 
+/// What a step leaves of a residual by the linear model.
 #[simd]
-fn merge<S: Simd>(take: mask32x8<S>, a: Point<S>, b: Point<S>) -> Point<S> {
-    let three = |a: [f32x8<S>; 3], b: [f32x8<S>; 3]| {
-        [take.select(a[0], b[0]), take.select(a[1], b[1]), take.select(a[2], b[2])]
-    };
+fn left<S: Simd>(_: S, [a, b, c, d]: [f32x8<S>; 4], [rx, ry]: [f32x8<S>; 2], [ds, dt]: [f32x8<S>; 2]) -> f32x8<S> {
+    (rx - a * ds - c * dt).abs().max((ry - b * ds - d * dt).abs())
+}
+
+#[simd]
+fn merge<S: Simd>(simd: S, take: mask32x8<S>, a: Point<S>, b: Point<S>) -> Point<S> {
     Point {
         x: take.select(a.x, b.x),
         y: take.select(a.y, b.y),
         z: take.select(a.z, b.z),
-        ds: three(a.ds, b.ds),
-        dt: three(a.dt, b.dt),
-        normal: three(a.normal, b.normal),
+        ds: three(simd, take, a.ds, b.ds),
+        dt: three(simd, take, a.dt, b.dt),
+        normal: three(simd, take, a.normal, b.normal),
     }
+}
+
+#[simd]
+fn three<S: Simd>(_: S, take: mask32x8<S>, a: [f32x8<S>; 3], b: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
+    [take.select(a[0], b[0]), take.select(a[1], b[1]), take.select(a[2], b[2])]
 }
 
 #[simd]
@@ -391,14 +399,8 @@ fn divide<S: Simd>(simd: S, surface: &Surface, p: [f32x8<S>; 4], ps: [f32x8<S>; 
     let by_weight = one / p[3];
     let z = p[2] * by_weight;
     // Tangents in the leaf's affine axes, for the normal.
-    let space = |q: &[f32x8<S>; 4]| {
-        [
-            (q[0] - p[0] * by_weight * q[3]) * by_weight,
-            (q[1] - p[1] * by_weight * q[3]) * by_weight,
-            (q[2] - z * q[3]) * by_weight,
-        ]
-    };
-    let (a, b) = (space(&ps), space(&pt));
+    let at = [p[0] * by_weight, p[1] * by_weight, z];
+    let (a, b) = (tangent(simd, &ps, at, by_weight), tangent(simd, &pt, at, by_weight));
     let normal = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
     Point {
         x,
@@ -408,4 +410,10 @@ fn divide<S: Simd>(simd: S, surface: &Surface, p: [f32x8<S>; 4], ps: [f32x8<S>; 
         dt: [(pt[0] - x * d_t) * inverse, (pt[1] - y * d_t) * inverse, b[2]],
         normal,
     }
+}
+
+/// A derivative divided by the weight, where the surface is `at`.
+#[simd]
+fn tangent<S: Simd>(_: S, q: &[f32x8<S>; 4], at: [f32x8<S>; 3], by_weight: f32x8<S>) -> [f32x8<S>; 3] {
+    [(q[0] - at[0] * q[3]) * by_weight, (q[1] - at[1] * q[3]) * by_weight, (q[2] - at[2] * q[3]) * by_weight]
 }
