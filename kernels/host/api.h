@@ -35,6 +35,7 @@ const hp::Kernel *hp_next(const hp::Kernel *kernel);  // the first one after nul
 const char *hp_name(const hp::Kernel *kernel);
 uint32_t hp_parameter_count(const hp::Kernel *kernel);
 uint32_t hp_parameter_bytes(const hp::Kernel *kernel, uint32_t index);
+bool hp_parameter_is_plain_pointer(const hp::Kernel *kernel, uint32_t index);
 
 // Null if `fault` says why the launch is refused. Arguments and ranges must live until hp_end; range 0 is not used.
 hp::Run *hp_begin(const hp::Kernel *kernel, const hp_launch *launch, const void *const *arguments, const hp::Range *ranges,

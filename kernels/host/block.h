@@ -70,7 +70,7 @@ struct Run {
   int fault_lock;                  // atomic
   uint64_t fault_block;
   hp_fault fault;
-  char begin, end;                 // what the race detector ties the start and the end of blocks to
+  char begin, end;                 // what the race detector ties the start and the end of the launch to
 };
 
 // What one operating system thread needs to run blocks; kept between launches.
@@ -98,6 +98,7 @@ struct Block {
   unsigned offset[MAX_SHARED_VARIABLES];
   unsigned order_count;
   char order[4096];  // addresses for Group::order
+  char begin;        // what the race detector ties the start of a block to; blocks are not ordered
   Block *next;       // in the pool
 };
 

@@ -101,6 +101,7 @@ const Kernel *hp_next(const Kernel *kernel) { return kernel ? kernel->next : ker
 const char *hp_name(const Kernel *kernel) { return kernel->name; }
 uint32_t hp_parameter_count(const Kernel *kernel) { return kernel->parameter_count; }
 uint32_t hp_parameter_bytes(const Kernel *kernel, uint32_t index) { return kernel->parameters[index].bytes; }
+bool hp_parameter_is_plain_pointer(const Kernel *kernel, uint32_t index) { return kernel->parameters[index].plain_pointer; }
 const Kernel *hp_find(const char *name) {
   const Kernel *k = kernels;
   while (k && strcmp(k->name, name)) k = k->next;
@@ -127,6 +128,7 @@ Run *hp_begin(const Kernel *kernel, const hp_launch *launch, const void *const *
 }
 
 void hp_work(Run *run) {
+  race_acquire(&run->begin);
   Block *b = take_block();
   const char *why = b ? prepare_block(b, run) : "no memory for a block";
   if (why) {

@@ -70,7 +70,8 @@ void mma(Tile tile, float (&d)[4], const uint32_t *a, const uint32_t *b, const f
 // ---- kernels, found by name
 
 struct Parameter {
-  uint32_t bytes, alignment;
+  uint32_t bytes;
+  bool plain_pointer;  // T * where Buffer<T> would be checked
 };
 struct Kernel {
   const char *name;
@@ -87,7 +88,7 @@ void call_kernel(void (*)(P...), const void *const *arguments, std::index_sequen
 }
 template <class... P> struct Parameters {
   static constexpr uint32_t count = sizeof...(P);
-  static constexpr Parameter list[count + 1] = {{sizeof(P), alignof(P)}..., {0, 0}};
+  static constexpr Parameter list[count + 1] = {{sizeof(P), std::is_pointer_v<P>}..., {0, false}};
 };
 template <class... P> Parameters<std::remove_cvref_t<P>...> parameters_of(void (*)(P...));
 template <class... P> std::index_sequence_for<P...> indices_of(void (*)(P...));

@@ -93,7 +93,7 @@ static void run_threads() {
   for (;;) {
     Fiber *f = self();
     Block *b = f->block;
-    race_acquire(&b->run->begin);
+    race_acquire(&b->begin);
     b->run->kernel->call(b->run->arguments);
     race_release(&b->run->end);
     thread_returned(f);
@@ -166,7 +166,8 @@ const char *prepare_block(Block *b, Run *run) {
 void run_block(Block *b) {
   b->left = b->threads;
   b->failed = false;
-  b->yields = b->warp_now = 0;
+  b->yields = 0;
+  b->warp_now = MAX_WARPS - 1;  // turns begin with warp 0
   b->barrier = {};
   for (unsigned i = 0; i < b->warps; i++) {
     unsigned lanes = b->threads - i * 32;
@@ -177,6 +178,7 @@ void run_block(Block *b) {
     wake(&w, w.exists);
   }
   start_shared(b);
+  race_release(&b->begin);
   go(b, &b->own, pick(b));
   if (!b->failed && b->left) report_deadlock(b);
   if (b->failed) {

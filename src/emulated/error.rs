@@ -12,6 +12,8 @@ pub enum LaunchError {
     ArgumentCount { kernel: String, expected: usize, given: usize },
     #[error("parameter {index} of kernel {kernel} has {expected} bytes, not {given}")]
     ArgumentSize { kernel: String, index: usize, expected: usize, given: usize },
+    #[error("parameter {index} of kernel {kernel} is a plain pointer, which can't be checked; make it a Buffer")]
+    PlainPointer { kernel: String, index: usize },
     #[error("the buffer of {bytes} bytes is not one of this device, or was freed")]
     NoSuchBuffer { bytes: usize },
     #[error("{given} elements do not fit a buffer of {length}")]

@@ -39,6 +39,7 @@ unsafe extern "C" {
     fn hp_name(kernel: *const RawKernel) -> *const c_char;
     fn hp_parameter_count(kernel: *const RawKernel) -> u32;
     fn hp_parameter_bytes(kernel: *const RawKernel, index: u32) -> u32;
+    fn hp_parameter_is_plain_pointer(kernel: *const RawKernel, index: u32) -> bool;
     fn hp_begin(
         kernel: *const RawKernel,
         launch: *const RawLaunch,
@@ -122,6 +123,10 @@ fn check_arguments(kernel: &str, found: *const RawKernel, arguments: &[&[u8]]) -
         if expected != argument.len() {
             let (kernel, given) = (kernel.to_owned(), argument.len());
             return Err(LaunchError::ArgumentSize { kernel, index, expected, given });
+        }
+        // SAFETY: as above.
+        if unsafe { hp_parameter_is_plain_pointer(found, index as u32) } {
+            return Err(LaunchError::PlainPointer { kernel: kernel.to_owned(), index });
         }
     }
     Ok(())

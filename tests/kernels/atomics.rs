@@ -1,7 +1,7 @@
 //! Atomics of all threads of the CPU on the same words.
 
 use crate::support::under_all_schedules;
-use halfpixel::emulated::{Device, Shape};
+use halfpixel::emulated::{Device, Schedule, Shape};
 
 #[test]
 fn contended_words_are_exact() {
@@ -22,7 +22,7 @@ fn contended_words_are_exact() {
     assert_eq!(wide[3], keys().fold(0, |a, b| a ^ b));
     assert_eq!(wide[4], !0);
     assert_eq!(wide[5], !0 << 61);
-    assert_eq!(narrow[0], (0..THREADS).sum());
+    assert_eq!(narrow[0], (0..THREADS).sum::<u32>());
     assert_eq!(narrow[1], (0..THREADS).map(hash).max().unwrap());
     assert_eq!(narrow[2], (0..THREADS).map(hash).min().unwrap());
     assert_eq!(narrow[3], THREADS % 100);
@@ -48,7 +48,7 @@ fn the_largest_word_of_a_pixel_wins() {
         }
     }
     for threads in [1, 2, 8] {
-        let mut device = Device { threads, ..Device::default() };
+        let mut device = Device::new(Schedule::default(), threads);
         let words = device.zeroed::<u64>(PIXELS as usize);
         let shape = Shape::row(THREADS / 64, 64);
         device.launch("selftest_visibility", shape, &[&words.pointer(), &PIXELS, &ROUNDS]).unwrap();

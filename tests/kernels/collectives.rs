@@ -59,7 +59,7 @@ fn check_votes(v: &[u32; 32], lane: usize, found: &[u32]) {
 
 fn check_reductions(v: &[u32; 32], found: &[u32]) {
     let signed = || v.iter().map(|&x| x as i32);
-    assert_eq!(found[14], v.iter().fold(0, |a, &b| a.wrapping_add(b)));
+    assert_eq!(found[14], v.iter().fold(0_u32, |a, &b| a.wrapping_add(b)));
     assert_eq!(Some(found[15]), v.iter().copied().min());
     assert_eq!(Some(found[16]), v.iter().copied().max());
     assert_eq!(Some(found[17] as i32), signed().min());

@@ -176,6 +176,8 @@ fn launches_that_are_refused() {
     assert!(matches!(error, LaunchError::ArgumentCount { expected: 1, given: 0, .. }), "{error}");
     let error = launch("selftest_threads", Shape::row(1, 1), &[&1_u32]);
     assert!(matches!(error, LaunchError::ArgumentSize { index: 0, expected: 8, given: 4, .. }), "{error}");
+    let error = launch("sanitize_warp", Shape::row(1, 64), &[&pointer]);
+    assert!(matches!(error, LaunchError::PlainPointer { index: 0, .. }), "{error}");
     for shape in [Shape::row(0, 32), Shape::row(1, 0), Shape::row(1, 1025), Shape::row(1, 32).with_dynamic(1 << 18)] {
         let found = fault(Err(launch("selftest_threads", shape, &[&pointer])));
         assert_eq!(found.kind, FaultKind::BadLaunch, "{found}");

@@ -26,7 +26,7 @@ mod special_products;
 #[cfg(host_kernels)]
 mod support;
 
-/// The test kernels; their names join the list of kernels before `main`.
+// The test kernels; their names join the list of kernels before `main`.
 #[cfg(host_kernels)]
 #[link(name = "halfpixel_selftest", kind = "static", modifiers = "+whole-archive")]
 unsafe extern "C" {}
