@@ -65,7 +65,9 @@ fn probe_host_compiler(out: &Path) -> Result<(), String> {
     build.file(&source).cargo_metadata(false).cargo_warnings(false);
     build.try_compile("halfpixel_probe").map_err(|e| {
         let first = e.to_string().lines().next().unwrap_or_default().to_owned();
-        format!("no C++20 compiler was found when this was built (g++ 12 or clang 16 will do; CXX chooses one): {first}")
+        format!(
+            "no C++20 compiler was found when this was built (g++ 12 or clang 16 will do; CXX chooses one): {first}"
+        )
     })
 }
 

@@ -29,67 +29,59 @@ constexpr int ZERO_EXPONENT = -1000;   // below that of any product
 constexpr int LEAST_EXPONENT = -400;   // of an all-zero group; keeps the scale a normal double
 constexpr uint32_t NAN_BITS = 0x7fffffff;  // NVIDIA's
 
-// value = significand * 2^(exponent - 10); Inf and NaN, which sum_specially() handles, count as zero.
-struct Decoded {
-  int significand, exponent;
-  bool special;
+// How an operand is stored. The hardware reads the upper 19 bits of a tf32.
+struct Format {
+  int fraction_at, exponent_at, top, sign_at;
 };
-static Decoded decode(uint32_t sign, int biased, int fraction, int bias, int top) {
-  if (biased == top || (!biased && !fraction)) return {0, ZERO_EXPONENT, biased == top};
-  int s = biased ? fraction | 0x400 : fraction;
-  return {sign ? -s : s, (biased ? biased : 1) - bias, false};
-}
-static Decoded decode_f16(uint32_t h) { return decode(h >> 15 & 1, h >> 10 & 31, h & 0x3ff, 15, 31); }
-// The hardware reads the upper 19 bits.
-static Decoded decode_tf32(uint32_t u) { return decode(u >> 31, u >> 23 & 255, u >> 13 & 0x3ff, 127, 255); }
+constexpr Format F16 = {0, 10, 31, 15}, TF32 = {13, 23, 255, 31};
 
 struct Matrices {
+  Tile tile;
   int k;
+  uint32_t a_bits[ROWS][MAX_K], b_bits[MAX_K][COLUMNS];
+  // value = significand * 2^(exponent - 10). Inf and NaN, which sum_specially() handles, count as zero.
   int a[ROWS][MAX_K], a_exponent[ROWS][MAX_K];
   int b[MAX_K][COLUMNS], b_exponent[MAX_K][COLUMNS];
   float c[ROWS][COLUMNS];
   bool special_row[ROWS], special_column[COLUMNS];
-  // The numbers themselves, for what is special.
-  float a_value[ROWS][MAX_K], b_value[MAX_K][COLUMNS];
 };
 
-static float value_of(Tile tile, uint32_t bits) {
-  if (tile != Tile::tf32_k8) return half_value((uint16_t)bits);
-  bits &= 0xffffe000u;
-  float f;
-  memcpy(&f, &bits, 4);
-  return f;
+// Without branches, as signs and zeros come in no order. True for Inf and NaN.
+static inline bool decode(const Format &f, uint32_t bits, int *significand, int *exponent) {
+  int biased = bits >> f.exponent_at & f.top, fraction = bits >> f.fraction_at & 0x3ff, sign = -(int)(bits >> f.sign_at & 1);
+  bool special = biased == f.top;
+  int s = (fraction | (biased ? 0x400 : 0)) & -(int)!special;
+  *significand = (s ^ sign) - sign;
+  *exponent = s ? (biased ? biased : 1) - f.top / 2 : ZERO_EXPONENT;
+  return special;
 }
-static void put_a(Matrices *m, Tile tile, int row, int k, uint32_t bits) {
-  Decoded d = tile == Tile::tf32_k8 ? decode_tf32(bits) : decode_f16(bits);
-  m->a[row][k] = d.significand;
-  m->a_exponent[row][k] = d.exponent;
-  m->a_value[row][k] = value_of(tile, bits);
-  m->special_row[row] |= d.special;
-}
-static void put_b(Matrices *m, Tile tile, int k, int column, uint32_t bits) {
-  Decoded d = tile == Tile::tf32_k8 ? decode_tf32(bits) : decode_f16(bits);
-  m->b[k][column] = d.significand;
-  m->b_exponent[k][column] = d.exponent;
-  m->b_value[k][column] = value_of(tile, bits);
-  m->special_column[column] |= d.special;
+template <Format f> static void decode_all(Matrices *m) {
+  for (int row = 0; row < ROWS; row++) {
+    int special = 0;
+    for (int k = 0; k < m->k; k++) special |= decode(f, m->a_bits[row][k], &m->a[row][k], &m->a_exponent[row][k]);
+    m->special_row[row] = special;
+  }
+  int special[COLUMNS] = {};
+  for (int k = 0; k < m->k; k++)
+    for (int n = 0; n < COLUMNS; n++) special[n] |= decode(f, m->b_bits[k][n], &m->b[k][n], &m->b_exponent[k][n]);
+  for (int n = 0; n < COLUMNS; n++) m->special_column[n] = special[n];
 }
 
 // Registers of a lane to matrices; the layouts stand in compat.cuh.
 static void gather(Matrices *m, const Operands &o, int lane) {
   int g = lane / 4, t = lane % 4;
   for (int half = 0; half < 2; half++) {
-    if (o.tile == Tile::tf32_k8) {
-      put_a(m, o.tile, g, t + 4 * half, o.a[2 * half]);
-      put_a(m, o.tile, g + 8, t + 4 * half, o.a[2 * half + 1]);
-      put_b(m, o.tile, t + 4 * half, g, o.b[half]);
+    if (m->tile == Tile::tf32_k8) {
+      m->a_bits[g][t + 4 * half] = o.a[2 * half];
+      m->a_bits[g + 8][t + 4 * half] = o.a[2 * half + 1];
+      m->b_bits[t + 4 * half][g] = o.b[half];
       continue;
     }
     for (int block = 0; block < m->k / 8; block++) {
       int k = 8 * block + 2 * t + half, shift = 16 * half;
-      put_a(m, o.tile, g, k, o.a[2 * block] >> shift & 0xffff);
-      put_a(m, o.tile, g + 8, k, o.a[2 * block + 1] >> shift & 0xffff);
-      put_b(m, o.tile, k, g, o.b[block] >> shift & 0xffff);
+      m->a_bits[g][k] = o.a[2 * block] >> shift & 0xffff;
+      m->a_bits[g + 8][k] = o.a[2 * block + 1] >> shift & 0xffff;
+      m->b_bits[k][g] = o.b[block] >> shift & 0xffff;
     }
   }
   for (int r = 0; r < 4; r++) m->c[g + 8 * (r / 2)][2 * t + r % 2] = o.c[r];
@@ -167,7 +159,10 @@ static void multiply(Matrices *m, int group, int extra) {
 // An element that an Inf or NaN takes part in: Inf or NaN by IEEE's rules, whatever else there is.
 static float sum_specially(const Matrices *m, int row, int column, float c) {
   double sum = c;
-  for (int k = 0; k < m->k; k++) sum += (double)m->a_value[row][k] * (double)m->b_value[k][column];
+  auto value = [m](uint32_t bits) -> double {
+    return m->tile == Tile::tf32_k8 ? __uint_as_float(bits & 0xffffe000u) : half_value((uint16_t)bits);
+  };
+  for (int k = 0; k < m->k; k++) sum += value(m->a_bits[row][k]) * value(m->b_bits[k][column]);
   float f = (float)sum;
   if (isnan(sum)) memcpy(&f, &NAN_BITS, 4);
   return f;
@@ -178,15 +173,15 @@ void evaluate_mma(Warp *w, const Group &g) {
     fail(FaultKind::incomplete_warp, g.at, "mma.sync needs all 32 lanes of a warp; those of mask %08x are here", g.arrived);
   auto operands = [&](int lane) -> const Operands & { return *reinterpret_cast<const Operands *>(w->lanes[lane].value); };
   const Model &model = MODELS[w->lanes[0].block->run->launch.tensor_cores != 0];
-  Tile tile = operands(0).tile;
   Matrices m;
-  m.k = tile == Tile::f16_k16 ? 16 : 8;
-  memset(m.special_row, 0, sizeof m.special_row);
-  memset(m.special_column, 0, sizeof m.special_column);
+  m.tile = operands(0).tile;
+  m.k = m.tile == Tile::f16_k16 ? 16 : 8;
   for (int lane = 0; lane < 32; lane++) gather(&m, operands(lane), lane);
+  if (m.tile == Tile::tf32_k8) decode_all<TF32>(&m);
+  else decode_all<F16>(&m);
   float c[ROWS][COLUMNS];
   memcpy(c, m.c, sizeof c);
-  int group = tile == Tile::tf32_k8 ? model.tf32_group : model.f16_group;
+  int group = m.tile == Tile::tf32_k8 ? model.tf32_group : model.f16_group;
   multiply(&m, group < m.k ? group : m.k, model.extra);
   for (int row = 0; row < ROWS; row++)
     for (int column = 0; column < COLUMNS; column++)

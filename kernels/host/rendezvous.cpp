@@ -6,6 +6,7 @@
 namespace hp {
 
 static bool same_site(const Site &a, const Site &b) {
+  if (!memcmp(&a, &b, sizeof a)) [[likely]] return true;
   return a.line() == b.line() && a.column() == b.column() &&
          (a.file_name() == b.file_name() || !strcmp(a.file_name(), b.file_name()));
 }

@@ -16,12 +16,12 @@
 //! # Ok::<(), halfpixel::emulated::LaunchError>(())
 //! ```
 
+#[cfg(not(host_kernels))]
+mod absent;
 mod device;
 mod error;
 #[cfg(host_kernels)]
 mod ffi;
-#[cfg(not(host_kernels))]
-mod absent;
 mod memory;
 mod schedule;
 

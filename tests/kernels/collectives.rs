@@ -73,7 +73,7 @@ fn check_reductions(v: &[u32; 32], found: &[u32]) {
 fn check_parts(lane: usize, found: &[u32]) {
     assert_eq!(found[24], if lane < 16 { 0xffff } else { 20 });
     assert_eq!(found[25], 1 << lane);
-    let stays = lane % 2 == 0;
+    let stays = lane.is_multiple_of(2);
     assert_eq!(found[27], if stays { 0x5555_5555 } else { 0 });
     assert_eq!(found[28], if stays { 0x5555_5545 } else { 0 });
 }

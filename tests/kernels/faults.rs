@@ -200,7 +200,9 @@ fn devices_share_nothing() {
                         continue;
                     }
                     device.launch("selftest_shuffles", Shape::row(4, 64), &[&out.pointer(), &3]).unwrap();
-                    assert!(device.download(&out).unwrap().iter().enumerate().all(|(i, &v)| v as usize == i % 64 ^ 1));
+                    assert!(
+                        device.download(&out).unwrap().iter().enumerate().all(|(i, &v)| v as usize == (i % 64) ^ 1)
+                    );
                 }
             });
         }

@@ -143,8 +143,7 @@ fn layouts_are_those_of_the_manual() {
         let mut draw = |n: usize| (0..n).map(|_| random.below(31) as i32 - 15).collect::<Vec<_>>();
         let (a, b, c) = (draw(16 * tile.k()), draw(tile.k() * 8), draw(128));
         let operands = |m: &[i32]| m.iter().map(|&x| tile.operand(x as f32)).collect();
-        let product =
-            Product { tile, a: operands(&a), b: operands(&b), c: c.iter().map(|&x| x as f32).collect() };
+        let product = Product { tile, a: operands(&a), b: operands(&b), c: c.iter().map(|&x| x as f32).collect() };
         let schedule = Schedule::adversarial()[round % 9];
         let found = product.run_under(schedule);
         for (i, &x) in found.iter().enumerate() {
@@ -161,7 +160,9 @@ fn arithmetic_is_the_published_model() {
     for round in 0..240 {
         let tile = TILES[round % 3];
         let mut operand = |spread: u64| match tile {
-            Tile::Tf32K8 => (random.next() as u32 & 0x807f_e000) | (127 - spread / 2 + random.below(spread)) as u32 * (1 << 23),
+            Tile::Tf32K8 => {
+                (random.next() as u32 & 0x807f_e000) | ((127 - spread / 2 + random.below(spread)) as u32) << 23
+            }
             _ if round % 4 == 0 => random.next() as u32 & 0x83ff | (random.below(31) as u32) << 10,
             _ => random.next() as u32 & 0x83ff | (10 + random.below(9) as u32) << 10,
         };
@@ -169,7 +170,9 @@ fn arithmetic_is_the_published_model() {
         let mut product = Product::new(tile);
         product.a.fill_with(|| operand(spread));
         product.b.fill_with(|| operand(spread));
-        product.c.fill_with(|| f32::from_bits(random.next() as u32 & 0x807f_ffff | (117 + random.below(20) as u32) << 23));
+        product
+            .c
+            .fill_with(|| f32::from_bits(random.next() as u32 & 0x807f_ffff | (117 + random.below(20) as u32) << 23));
         for cores in [TensorCores::Sm80, TensorCores::Sm90] {
             for (i, x) in product.run(cores).into_iter().enumerate() {
                 let expected = product.model(i / 8, i % 8, cores);

@@ -94,7 +94,8 @@ fn overflow_is_infinite() {
     assert_eq!(element(Tile::Tf32K8, Sm80, most, &[(power(100), power(4))]), f32::INFINITY);
     assert_eq!(element(Tile::Tf32K8, Sm80, most, &[(power(100), power(3))]), most, "cut off, it fits");
     assert_eq!(element(Tile::Tf32K8, Sm90, -most, &[(-power(100), power(27))]), f32::NEG_INFINITY);
-    let sum = element(Tile::Tf32K8, Sm80, 0.0, &[(power(100), power(28)), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (-1.0, 1.0)]);
+    let sum =
+        element(Tile::Tf32K8, Sm80, 0.0, &[(power(100), power(28)), (0.0, 0.0), (0.0, 0.0), (0.0, 0.0), (-1.0, 1.0)]);
     assert_eq!(sum, f32::INFINITY, "a first group that overflowed stays so");
 }
 
