@@ -12,6 +12,8 @@ fn main() {
 fn host_kernels() {
     println!("cargo::rustc-check-cfg=cfg(host_kernels)");
     println!("cargo::rerun-if-changed=kernels");
+    println!("cargo::rerun-if-env-changed=CXX");
+    println!("cargo::rerun-if-env-changed=CXXFLAGS");
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it"));
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets it"));
     if let Err(why) = probe_host_compiler(&out) {
@@ -63,11 +65,10 @@ fn probe_host_compiler(out: &Path) -> Result<(), String> {
     fs::write(&source, text).map_err(|e| format!("cannot write {}: {e}", source.display()))?;
     let mut build = host_build(out);
     build.file(&source).cargo_metadata(false).cargo_warnings(false);
-    build.try_compile("halfpixel_probe").map_err(|e| {
-        let first = e.to_string().lines().next().unwrap_or_default().to_owned();
-        format!(
-            "no C++20 compiler was found when this was built (g++ 12 or clang 16 will do; CXX chooses one): {first}"
-        )
+    let compiler = build.try_get_compiler().map_err(|_| "no C++ compiler was found when this was built".to_owned())?;
+    build.try_compile("halfpixel_probe").map_err(|_| {
+        let found = compiler.path().display();
+        format!("{found} built no C++20 when this was built: g++ 12 or clang 16 can, and CXX chooses one")
     })
 }
 

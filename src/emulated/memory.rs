@@ -69,6 +69,7 @@ struct Allocation {
 }
 
 /// Where an allocation lies; `hp::Range` in kernels/host/runtime.h.
+#[cfg(host_kernels)]
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub(super) struct Range {

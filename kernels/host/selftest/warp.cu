@@ -19,8 +19,10 @@ extern "C" __global__ void selftest_warp(Buffer<const unsigned> in, Buffer<unsig
   o[10] = (unsigned)__all_sync(~0u, lane < 31) | (unsigned)__all_sync(~0u, lane < 32) << 1;
   o[11] = __match_any_sync(~0u, v % 5);
   int same;
-  o[12] = __match_all_sync(~0u, v / 1000000000u * 0 + 7, &same) ^ (unsigned)same;
-  o[13] = __match_all_sync(~0u, lane, &same) ^ (unsigned)same;
+  unsigned matching = __match_all_sync(~0u, v * 0 + 7, &same);
+  o[12] = matching ^ (unsigned)same;
+  matching = __match_all_sync(~0u, lane, &same);
+  o[13] = matching ^ (unsigned)same;
   o[14] = __reduce_add_sync(~0u, v);
   o[15] = __reduce_min_sync(~0u, v);
   o[16] = __reduce_max_sync(~0u, v);
