@@ -91,7 +91,8 @@ struct Block {
   char *stack_memory;
   unsigned stack_count, free_count;
   Stack **free_stacks;
-  Stack own;  // the operating system's
+  Stack own;         // the operating system's
+  const void *home;  // which of its threads ran the stacks last
   // Dynamic shared memory, then the static variables met so far. offset 0 is "not met".
   char *shared;
   unsigned shared_end, static_bytes;

@@ -151,6 +151,9 @@ const char *prepare_block(Block *b, Run *run) {
   b->threads = size[0] * size[1] * size[2];
   b->warps = (b->threads + 31) / 32;
   if (const char *why = allocate(b)) return why;
+  // Code that waits on a stack may have kept the address of a thread-local variable, which is another one here.
+  if (b->home != &current) reset_stacks(b);
+  b->home = &current;
   adopt_own_stack(&b->own);
   for (unsigned i = 0; i < b->threads; i++) {
     Fiber &f = b->fiber[i];
