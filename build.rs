@@ -14,6 +14,8 @@ fn host_kernels() {
     println!("cargo::rerun-if-changed=kernels");
     println!("cargo::rerun-if-env-changed=CXX");
     println!("cargo::rerun-if-env-changed=CXXFLAGS");
+    println!("cargo::rerun-if-env-changed=HALFPIXEL_SANITIZE_KERNELS");
+    let sanitizer = env::var("HALFPIXEL_SANITIZE_KERNELS").unwrap_or_default();
     let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it"));
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets it"));
     if let Err(why) = probe_host_compiler(&out) {
@@ -33,11 +35,28 @@ fn host_kernels() {
             continue;
         }
         let mut build = host_build(&root);
+        sanitize(&mut build, &sanitizer, suffix);
         build.files(files).cargo_metadata(false).compile(name);
         // tests/kernels links the test kernels itself.
         if keep != "not linked" {
             println!("cargo::rustc-link-lib=static{keep}={name}");
         }
+    }
+}
+
+/// `HALFPIXEL_SANITIZE_KERNELS=thread cargo test --test ...`: kernels under ThreadSanitizer in whole frames (or `address`).
+/// The runtime tells ThreadSanitizer about fibers and is not instrumented itself.
+fn sanitize(build: &mut cc::Build, sanitizer: &str, suffix: &str) {
+    if sanitizer.is_empty() {
+        return;
+    }
+    // Rust links without the compiler's default libraries: g++'s, by name.
+    println!("cargo::rustc-link-arg=-l{}san", &sanitizer[..1]);
+    build.debug(true);
+    if sanitizer == "thread" && suffix == "cpp" {
+        build.define("HP_TSAN", None);
+    } else {
+        build.flag(format!("-fsanitize={sanitizer}"));
     }
 }
 

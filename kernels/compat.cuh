@@ -6,6 +6,7 @@
 //   DYNAMIC_SHARED(T, name)        the block's dynamic shared memory
 //   Buffer<T>                      T * into global memory; on the CPU it knows its allocation and checks each index
 //   Span<T>                        T * into shared memory, for functions that get a part of it; checked on the CPU
+//   racy_load(&word)               a plain load beside atomics
 //   as<U>(pointer), raw(pointer)   reinterpret a Buffer or Span; take the plain, unchecked pointer
 #pragma once
 
@@ -33,6 +34,16 @@ template <class T> static __device__ __forceinline__ T *raw(T *p) { return p; }
 #define HP_SITE_ONLY hp::Site site = hp::Site::current()
 
 #endif
+
+// A plain load that may race with atomics, as the look at a depth before the atomic that would lose; any earlier value will
+// do. Race detectors must not complain of it.
+template <class T> static __device__ __forceinline__ T racy_load(const T *p) {
+#ifdef __CUDACC__
+  return *p;
+#else
+  return __atomic_load_n(p, __ATOMIC_RELAXED);
+#endif
+}
 
 // ---- numbers
 

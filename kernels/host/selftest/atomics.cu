@@ -16,7 +16,7 @@ extern "C" __global__ void selftest_atomics(Buffer<unsigned long long> wide, Buf
   atomicInc(&narrow[3], 99u);
   atomicSub(&narrow[4], 2u);
   // A lock-free maximum, as kernels write it for types that have none.
-  unsigned old = narrow[5];
+  unsigned old = racy_load(&narrow[5]);
   while (old < i) {
     unsigned seen = atomicCAS(&narrow[5], old, i);
     if (seen == old) break;
@@ -34,7 +34,7 @@ extern "C" __global__ void selftest_visibility(Buffer<unsigned long long> words,
     h ^= h >> 15;
     unsigned long long word = (unsigned long long)(h * 2246822519u) << 32 | i;
     int pixel = (int)(h % (unsigned)pixels);
-    if (words[pixel] < word) atomicMax(&words[pixel], word);
+    if (racy_load(&words[pixel]) < word) atomicMax(&words[pixel], word);
   }
 }
 KERNEL(selftest_visibility)

@@ -86,6 +86,6 @@ extern "C" __global__ void selftest_spin(Buffer<unsigned> out) {
   __syncthreads();
   if (threadIdx.x == blockDim.x - 1) atomicExch(&flag, 5u);
   while (atomicAdd(&flag, 0u) != 5u) __nanosleep(20);
-  out[threadIdx.x] = flag;
+  out[threadIdx.x] = racy_load(&flag);
 }
 KERNEL(selftest_spin)
