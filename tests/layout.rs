@@ -14,7 +14,8 @@ fn root() -> &'static Path {
 
 #[test]
 fn files_stay_short() {
-    let long = sources().into_iter().filter_map(|path| {
+    let kernels = files_in("kernels", &["cu", "cuh", "h", "cpp"]);
+    let long = sources().into_iter().chain(kernels).filter_map(|path| {
         let lines = read(&path).lines().count();
         (lines > FILE_LINES).then(|| format!("{}: {lines} lines", shown(&path)))
     });
@@ -86,21 +87,24 @@ fn function_name(line: &str) -> Option<&str> {
 
 /// All Rust files of the project, sorted.
 fn sources() -> Vec<PathBuf> {
+    ["src", "tests"].into_iter().flat_map(|folder| files_in(folder, &["rs"])).collect()
+}
+
+/// Files of a folder that end so, sorted.
+fn files_in(folder: &str, suffixes: &[&str]) -> Vec<PathBuf> {
     let mut files = Vec::new();
-    for folder in ["src", "tests"] {
-        collect(&root().join(folder), &mut files).unwrap_or_else(|e| panic!("cannot list {folder}: {e}"));
-    }
+    collect(&root().join(folder), suffixes, &mut files).unwrap_or_else(|e| panic!("cannot list {folder}: {e}"));
     files.sort();
     assert!(!files.is_empty());
     files
 }
 
-fn collect(folder: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
+fn collect(folder: &Path, suffixes: &[&str], files: &mut Vec<PathBuf>) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
         if path.is_dir() {
-            collect(&path, files)?;
-        } else if path.extension().is_some_and(|e| e == "rs") {
+            collect(&path, suffixes, files)?;
+        } else if path.extension().is_some_and(|e| suffixes.iter().any(|s| e == *s)) {
             files.push(path);
         }
     }

@@ -1,0 +1,155 @@
+//! Memory of the emulated device.
+#![allow(unsafe_code)]
+
+use super::LaunchError;
+use std::marker::PhantomData;
+
+/// Plain data that kernels read and write.
+///
+/// # Safety
+/// Any bytes must be a valid value, there must be no padding, and the layout must be that of the kernels' type.
+pub unsafe trait Pod: Copy + Send + Sync + 'static {}
+
+macro_rules! pods {
+    ($($number:ty)*) => { $(
+        // SAFETY: numbers of C's size have no invalid bytes and no padding.
+        unsafe impl Pod for $number {}
+    )* };
+}
+pods!(u8 i8 u16 i16 u32 i32 u64 i64 f32 f64);
+// SAFETY: an array is its elements, without padding between them.
+unsafe impl<T: Pod, const N: usize> Pod for [T; N] {}
+// SAFETY: it is a u64; kernels check what it points at.
+unsafe impl<T: Pod> Pod for Pointer<T> {}
+
+/// A kernel's `Buffer<T>`: an address that names its allocation, or null.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub struct Pointer<T> {
+    bits: u64,
+    element: PhantomData<fn() -> T>,
+}
+
+impl<T> Pointer<T> {
+    pub const NULL: Self = Self { bits: 0, element: PhantomData };
+}
+
+/// An allocation of a [`super::Device`], freed with the device or by [`super::Device::free`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Buffer<T> {
+    pointer: Pointer<T>,
+    number: usize,
+    length: usize,
+}
+
+impl<T> Buffer<T> {
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        self.length
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+
+    /// What a kernel gets.
+    pub fn pointer(&self) -> Pointer<T> {
+        Pointer { ..self.pointer }
+    }
+}
+
+/// As coarse as CUDA aligns its allocations.
+#[derive(Clone, Copy)]
+#[repr(C, align(256))]
+struct Line([u8; 256]);
+
+struct Allocation {
+    lines: Vec<Line>,
+    bytes: usize,
+}
+
+/// Where an allocation lies; `hp::Range` in kernels/host/runtime.h.
+#[cfg(host_kernels)]
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(super) struct Range {
+    first: usize,
+    bytes: u64,
+}
+
+const ADDRESS_BITS: u32 = 48;
+const MOST_ALLOCATIONS: usize = 1 << 16;
+
+/// All allocations; number 0 is none, as kernels do not check its pointers.
+#[derive(Default)]
+pub(super) struct Memory {
+    allocations: Vec<Option<Allocation>>,
+}
+
+impl Memory {
+    /// Numbers are not used again, so that a pointer into what was freed stays one.
+    pub(super) fn allocate<T: Pod>(&mut self, length: usize, fill: u8) -> Buffer<T> {
+        if self.allocations.is_empty() {
+            self.allocations.push(None);
+        }
+        let number = self.allocations.len();
+        assert!(number < MOST_ALLOCATIONS, "a device of more than {MOST_ALLOCATIONS} allocations");
+        let bytes = length * size_of::<T>();
+        let mut lines = vec![Line([fill; 256]); bytes.div_ceil(256).max(1)];
+        let address = lines.as_mut_ptr().expose_provenance() as u64;
+        assert!(address >> ADDRESS_BITS == 0, "an address of more than {ADDRESS_BITS} bits");
+        self.allocations.push(Some(Allocation { lines, bytes }));
+        let bits = (number as u64) << ADDRESS_BITS | address;
+        Buffer { pointer: Pointer { bits, element: PhantomData }, number, length }
+    }
+
+    pub(super) fn free<T>(&mut self, buffer: &Buffer<T>) -> Result<(), LaunchError> {
+        self.find(buffer)?;
+        self.allocations[buffer.number] = None;
+        Ok(())
+    }
+
+    pub(super) fn read<T: Pod>(&self, buffer: &Buffer<T>) -> Result<Vec<T>, LaunchError> {
+        let first = self.find(buffer)?.lines.as_ptr().cast::<T>();
+        // SAFETY: `find` saw that the allocation has `length` elements; they are aligned (256 bytes) and any bytes are a T.
+        Ok(unsafe { std::slice::from_raw_parts(first, buffer.length) }.to_vec())
+    }
+
+    pub(super) fn write<T: Pod>(&mut self, buffer: &Buffer<T>, data: &[T]) -> Result<(), LaunchError> {
+        if data.len() != buffer.length {
+            return Err(LaunchError::Length { length: buffer.length, given: data.len() });
+        }
+        self.find(buffer)?;
+        let allocation = self.allocations[buffer.number].as_mut().expect("found");
+        let first = allocation.lines.as_mut_ptr().cast::<T>();
+        // SAFETY: as in `read`; the allocation is borrowed exclusively.
+        unsafe { std::slice::from_raw_parts_mut(first, buffer.length) }.copy_from_slice(data);
+        Ok(())
+    }
+
+    /// The allocation, if it is this memory's and has this size.
+    fn find<T>(&self, buffer: &Buffer<T>) -> Result<&Allocation, LaunchError> {
+        let bytes = buffer.length * size_of::<T>();
+        let found = self.allocations.get(buffer.number).and_then(Option::as_ref);
+        let same = |a: &&Allocation| {
+            a.bytes == bytes && a.lines.as_ptr().addr() as u64 == buffer.pointer.bits & ((1 << ADDRESS_BITS) - 1)
+        };
+        found.filter(same).ok_or(LaunchError::NoSuchBuffer { bytes })
+    }
+
+    /// Where everything lies, for a launch; freed allocations have no bytes.
+    #[cfg(host_kernels)]
+    pub(super) fn ranges(&mut self) -> Vec<Range> {
+        let range = |a: &mut Option<Allocation>| match a {
+            Some(a) => Range { first: a.lines.as_mut_ptr().expose_provenance(), bytes: a.bytes as u64 },
+            None => Range { first: 0, bytes: 0 },
+        };
+        self.allocations.iter_mut().map(range).collect()
+    }
+}
+
+/// The bytes of a value, as a kernel's argument.
+pub(super) fn bytes_of<T: Pod>(value: &T) -> &[u8] {
+    // SAFETY: a Pod has no padding, so all its bytes are initialised; they live as long as the value.
+    unsafe { std::slice::from_raw_parts(std::ptr::from_ref(value).cast::<u8>(), size_of::<T>()) }
+}

@@ -1,0 +1,32 @@
+//! Kernels on the CPU (`kernels/host`): each piece of the emulation against a plain reference, and every mistake that a
+//! kernel can make, made on purpose.
+
+#[cfg(not(host_kernels))]
+#[test]
+fn skipped() {
+    println!("skipped: {}", halfpixel::emulated::missing().expect("a reason"));
+}
+
+#[cfg(host_kernels)]
+mod atomics;
+#[cfg(host_kernels)]
+mod block;
+#[cfg(host_kernels)]
+mod collectives;
+#[cfg(host_kernels)]
+mod faults;
+#[cfg(host_kernels)]
+mod numbers;
+#[cfg(host_kernels)]
+mod products;
+#[cfg(host_kernels)]
+mod sanitizers;
+#[cfg(host_kernels)]
+mod special_products;
+#[cfg(host_kernels)]
+mod support;
+
+// The test kernels; their names join the list of kernels before `main`.
+#[cfg(host_kernels)]
+#[link(name = "halfpixel_selftest", kind = "static", modifiers = "+whole-archive")]
+unsafe extern "C" {}
