@@ -1,5 +1,5 @@
 // The structs and numbers that host and device share, described here alone. bindgen makes src/cuda/abi.rs of this page
-// (tests/abi.rs --ignored writes it, and fails while it is stale), with assertions of every size and offset.
+// (HALFPIXEL_UPDATE=1 cargo test --test abi writes it; the test fails while it is stale), with assertions of every size and offset.
 //
 // Plain C++ that needs no CUDA header. Device addresses are typed pointers: the host passes them on and never follows
 // them, the host shim does. Constants are `static const`, since bindgen guesses the types of macros.
@@ -62,8 +62,7 @@ struct View {
 
 /// A drawn piece of a patch with its grid: `Leaf` and `Tessellation` in src/stages.
 struct alignas(16) Patch {
-    /// First of its (degree[0] + 1)(degree[1] + 1) control points, v innermost: pixels about its own centre, camera
-    /// depth about `depth_origin`, all times the weight, and the weight.
+    /// First of its (degree[0] + 1)(degree[1] + 1) control points, v innermost, as (X, Y, Z, w): `Leaf::net`.
     uint32_t net;
     /// First Bernstein value of its grid lines, u and v: degree + 1 values a line, quads + 1 lines.
     uint32_t basis[2];

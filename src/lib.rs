@@ -21,7 +21,7 @@
 //! | shade | Newton steps to the exact surface under each pixel centre; what S proposed is decided there | `stages/shade.rs`, `newton.rs`, `settle.rs` |
 //!
 //! [`stages::Renderer`] runs a frame; [`verify`] judges it in f64 without any tessellation; [`report`] turns measured
-//! runs into tables and plots; [`commands`] is the command line.
+//! runs into tables and plots; [`cuda`] is the host side of the kernels in `kernels/`; [`commands`] is the command line.
 //!
 //! ```
 //! use halfpixel::{import, scene, stages};
@@ -33,9 +33,10 @@
 //! assert!(frame.pixel(32, 24).is_some());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 pub mod commands;
+pub mod cuda;
 pub mod geometry;
 pub mod import;
 pub mod model;
