@@ -62,8 +62,8 @@ struct Nvcc {
     version: String,
 }
 
-/// The first usable nvcc of the places it may be in; else the reason that users are told. What `NVCC` names is used or is
-/// an error.
+/// The first usable nvcc of the places it may be in; else the reason that users are told. What `NVCC` names is used,
+/// or the build fails.
 fn find_nvcc(root: &Path) -> Result<Result<Nvcc, String>, String> {
     for name in ["NVCC", "CUDA_HOME", "CUDA_PATH", "PATH"] {
         println!("cargo::rerun-if-env-changed={name}");

@@ -94,8 +94,7 @@ const _: () = {
 #[repr(align(16))]
 #[derive(Debug, Default, Copy, Clone, PartialEq)]
 pub struct Patch {
-    /** First of its (degree[0] + 1)(degree[1] + 1) control points, v innermost: pixels about its own centre, camera
- depth about `depth_origin`, all times the weight, and the weight.*/
+    /// First of its (degree[0] + 1)(degree[1] + 1) control points, v innermost, as (X, Y, Z, w): `Leaf::net`.
     pub net: u32,
     /// First Bernstein value of its grid lines, u and v: degree + 1 values a line, quads + 1 lines.
     pub basis: [u32; 2usize],

@@ -106,7 +106,7 @@ fn uuid(bytes: [u8; 16]) -> String {
     format!("GPU-{}-{}-{}-{}-{}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
 }
 
-/// The driver's version in `/proc/driver/nvidia/version`: the first word of its first line with two or more dots or one.
+/// The driver's version in `/proc/driver/nvidia/version`: the first line's first word of digits and dots.
 fn module_version(text: &str) -> Option<String> {
     let number = |word: &&str| word.contains('.') && word.chars().all(|c| c.is_ascii_digit() || c == '.');
     text.lines().next()?.split_whitespace().find(number).map(String::from)
