@@ -68,6 +68,9 @@ fn find_nvcc(root: &Path) -> Result<Result<Nvcc, String>, String> {
     for name in ["NVCC", "CUDA_HOME", "CUDA_PATH", "PATH"] {
         println!("cargo::rerun-if-env-changed={name}");
     }
+    if env::var_os("NVCC").is_some_and(|v| v == "none") {
+        return Ok(Err("NVCC=none".into()));
+    }
     if let Some(path) = env::var_os("NVCC").filter(|v| !v.is_empty()) {
         let nvcc = check(Path::new(&path)).map_err(|e| format!("NVCC={}: {e}", Path::new(&path).display()))?;
         return Ok(Ok(nvcc));
@@ -134,8 +137,9 @@ fn compile(root: &Path, out: &Path, nvcc: &Nvcc) -> Result<(), String> {
     let output = output.map_err(|e| format!("cannot run {}: {e}", nvcc.path.display()))?;
     let said = [output.stdout, output.stderr].map(|t| String::from_utf8_lossy(&t).into_owned()).concat();
     if !output.status.success() {
-        let shown = nvcc.path.display();
-        return Err(format!("{said}\n{shown} {} can't compile kernels/ (it needs g++, too)", nvcc.version));
+        let about_a_kernel = said.contains("): error");
+        let hint = if about_a_kernel { "" } else { ": is there a g++ it knows? NVCC=none builds for the CPU alone" };
+        return Err(format!("{said}\n{} ({}) can't compile kernels/{hint}", nvcc.path.display(), nvcc.version));
     }
     for line in said.lines().filter(|l| !l.trim().is_empty()) {
         println!("cargo::warning={line}");

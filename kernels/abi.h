@@ -1,8 +1,8 @@
 // The structs and numbers that host and device share, described here alone. bindgen makes src/cuda/abi.rs of this page
 // (HALFPIXEL_UPDATE=1 cargo test --test abi writes it; the test fails while it is stale), with assertions of every size and offset.
 //
-// Plain C++ that needs no CUDA header. Device addresses are typed pointers: the host passes them on and never follows
-// them, the host shim does. Constants are `static const`, since bindgen guesses the types of macros.
+// Plain C++ that needs no CUDA header, and no pointers: buffers are arguments of kernels. Constants are `static const`,
+// since bindgen guesses the types of macros.
 #pragma once
 #include <stdint.h>
 
@@ -107,15 +107,4 @@ struct alignas(16) Vertex {
     float depth;
     /// Weight of this vertex's parameters at a pixel, as the bound's interpolation asks for.
     float weight;
-};
-
-/// Arguments of the kernels of evaluate.cu.
-struct EvaluateArgs {
-    View view;
-    const Patch *patches;
-    const Meshlet *meshlets;
-    const Point *nets;
-    const float *basis;
-    Vertex *vertices;
-    uint32_t count;
 };

@@ -7,9 +7,8 @@
 // One warp a meshlet. Four columns of the net at a time are summed over u for all eight rows of vertices (lane = column,
 // row) and handed over through shared memory to the lanes that sum them over v (lane = row, column of vertices; two
 // vertices a lane). Any degree takes 512 bytes a warp.
-#include "cuda_compat.cuh"
-
 #include "abi.h"
+#include "compat.cuh"
 
 namespace evaluate {
 
@@ -17,9 +16,14 @@ constexpr int WARPS = 4;
 // Columns of the net a warp sums at once: 32 lanes, eight rows.
 constexpr int COLUMNS = 4;
 
-static __device__ __forceinline__ float4 load(const Point *p) {
-    return __ldg(reinterpret_cast<const float4 *>(p));
-}
+// What a launch is given, besides the view.
+struct Buffers {
+    Buffer<const Patch> patches;
+    Buffer<const Meshlet> meshlets;
+    Buffer<const Point> nets;
+    Buffer<const float> basis;
+    Buffer<Vertex> vertices;
+};
 
 // sum + c * b, rounded twice: contraction is off.
 static __device__ __forceinline__ float4 add_scaled(float4 sum, float4 c, float b) {
@@ -41,26 +45,23 @@ static __device__ __forceinline__ Vertex project(const View &view, const Patch &
     return v;
 }
 
-static __device__ __forceinline__ void store(Vertex *to, const Vertex &v) {
-    const int4 words = make_int4(v.x, v.y, __float_as_int(v.depth), __float_as_int(v.weight));
-    *reinterpret_cast<int4 *>(to) = words;
-}
-
 // The sum over u of one column of the net, at the grid line whose Bernstein values are `basis`.
 template <int DEGREE>
-static __device__ __forceinline__ float4 sum_over_u(const Point *column, int stride, const float *basis, int degree) {
+static __device__ __forceinline__ float4 sum_over_u(Buffer<const float4> column, int stride, Buffer<const float> basis,
+                                                    int degree) {
     float4 sum = make_float4(0.0f, 0.0f, 0.0f, 0.0f);
 #pragma unroll (DEGREE > 0 ? DEGREE + 1 : 4)
     for (int r = 0; r <= (DEGREE > 0 ? DEGREE : degree); r++) {
-        sum = add_scaled(sum, load(column + r * stride), __ldg(basis + r));
+        sum = add_scaled(sum, __ldg(column + r * stride), __ldg(basis + r));
     }
     return sum;
 }
 
 // DEGREE > 0: of both directions; 0: any degrees, read from the patch.
 template <int DEGREE>
-static __device__ __forceinline__ void meshlet(const EvaluateArgs &args, const Meshlet &m, float4 *columns, int lane) {
-    const Patch &patch = args.patches[m.patch];
+static __device__ __forceinline__ void meshlet(const View &view, const Buffers &in, const Meshlet &m, Span<float4> columns,
+                                               int lane) {
+    const Patch patch = in.patches[m.patch];
     const int degree_u = DEGREE > 0 ? DEGREE : int(patch.degree[0]);
     const int degree_v = DEGREE > 0 ? DEGREE : int(patch.degree[1]);
     const int across = lane & 7;
@@ -68,9 +69,9 @@ static __device__ __forceinline__ void meshlet(const EvaluateArgs &args, const M
     // Lanes beyond a small meshlet do as its last row and column; they store nothing.
     const int row = min(across, int(m.quads[0]));
     const int line = min(across, int(m.quads[1]));
-    const float *basis_u = args.basis + patch.basis[0] + (m.first[0] + row) * (degree_u + 1);
-    const float *basis_v = args.basis + patch.basis[1] + (m.first[1] + line) * (degree_v + 1);
-    const Point *net = args.nets + patch.net;
+    const Buffer<const float> basis_u = in.basis + patch.basis[0] + (m.first[0] + row) * (degree_u + 1);
+    const Buffer<const float> basis_v = in.basis + patch.basis[1] + (m.first[1] + line) * (degree_v + 1);
+    const Buffer<const float4> net = as<const float4>(in.nets + patch.net);
 
     float4 low = make_float4(0.0f, 0.0f, 0.0f, 0.0f);
     float4 high = low;
@@ -93,32 +94,37 @@ static __device__ __forceinline__ void meshlet(const EvaluateArgs &args, const M
         __syncwarp();
     }
 
-    Vertex *vertices = args.vertices + m.vertices + across;
+    const Buffer<Vertex> vertices = in.vertices + m.vertices + across;
     const int pitch = m.quads[1] + 1;
     if (across <= m.quads[1] && down <= m.quads[0]) {
-        store(vertices + down * pitch, project(args.view, patch, low));
+        vertices[down * pitch] = project(view, patch, low);
     }
     if (across <= m.quads[1] && down + 4 <= m.quads[0]) {
-        store(vertices + (down + 4) * pitch, project(args.view, patch, high));
+        vertices[(down + 4) * pitch] = project(view, patch, high);
     }
 }
 
-template <int DEGREE> static __device__ __forceinline__ void evaluate(const EvaluateArgs &args) {
-    __shared__ float4 columns[WARPS][COLUMNS * 8];
+template <int DEGREE>
+static __device__ __forceinline__ void evaluate(const View &view, const Buffers &in, uint32_t count) {
+    SHARED(float4, columns, [WARPS][COLUMNS * 8]);
     const uint32_t warp = threadIdx.x / 32;
     const uint32_t number = blockIdx.x * WARPS + warp;
-    if (number < args.count) {
-        meshlet<DEGREE>(args, args.meshlets[number], columns[warp], int(threadIdx.x % 32));
+    if (number < count) {
+        const Meshlet m = in.meshlets[number];
+        meshlet<DEGREE>(view, in, m, columns[warp], int(threadIdx.x % 32));
     }
 }
 
 } // namespace evaluate
 
+// A grid of ceil(count / 4) blocks.
 #define EVALUATE(name, DEGREE)                                                                                         \
-    extern "C" __global__ void __launch_bounds__(evaluate::WARPS * 32) name(const __grid_constant__ EvaluateArgs args) { \
-        evaluate::evaluate<DEGREE>(args);                                                                              \
+    extern "C" __global__ void __launch_bounds__(evaluate::WARPS * 32)                                                 \
+        name(const __grid_constant__ View view, Buffer<const Patch> patches, Buffer<const Meshlet> meshlets,           \
+             Buffer<const Point> nets, Buffer<const float> basis, Buffer<Vertex> vertices, uint32_t count) {           \
+        evaluate::evaluate<DEGREE>(view, {patches, meshlets, nets, basis, vertices}, count);                           \
     }                                                                                                                  \
-    EXPORT_KERNEL(name)
+    KERNEL(name)
 
 // Any degrees, also different ones in u and v.
 EVALUATE(evaluate_f32, 0)

@@ -26,7 +26,6 @@ fn the_rust_side_of_the_abi_is_fresh() {
         .constified_enum_module("GridClass")
         .derive_default(true)
         .derive_partialeq(true)
-        .no_default("EvaluateArgs")
         .use_core()
         .merge_extern_blocks(true)
         .disable_header_comment()

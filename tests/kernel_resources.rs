@@ -85,7 +85,7 @@ fn every_kernel_loads_where_there_is_a_device() {
 
 fn table(version: &str, usages: &Usages, threads: &BTreeMap<String, u32>) -> String {
     let mut text = format!(
-        "# What kernels take\n\nMade by `HALFPIXEL_UPDATE=1 cargo test --test kernels` from the machine code of nvcc \
+        "# What kernels take\n\nMade by `HALFPIXEL_UPDATE=1 cargo test --test kernel_resources` from the machine code of nvcc \
          {version}; nothing here was timed. Cells: registers a thread / stack a thread / shared memory a block (bytes; \
          the 1024 that CUDA reserves included) / warps a multiprocessor holds, of those it could.\n\n| kernel | threads \
          a block |"
