@@ -33,7 +33,8 @@ fn device_kernels() -> Result<(), String> {
     let out = PathBuf::from(variable("OUT_DIR")?);
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=kernels");
-    watch_own_folder(&root).map_err(|e| format!("cannot write {OWN_STAMP}: {e}"))?;
+    // Where sources can't be written to, the script can't install anything either.
+    let _ = watch_own_folder(&root);
     let targets: Vec<u32> = TARGETS.iter().flat_map(|t| t.1).copied().collect();
     let (fatbin, toolkit) = match find_nvcc(&root)? {
         Ok(nvcc) => {
