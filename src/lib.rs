@@ -21,7 +21,8 @@
 //! | shade | Newton steps to the exact surface under each pixel centre; what S proposed is decided there | `stages/shade.rs`, `newton.rs`, `settle.rs` |
 //!
 //! [`stages::Renderer`] runs a frame; [`verify`] judges it in f64 without any tessellation; [`report`] turns measured
-//! runs into tables and plots; [`emulated`] runs CUDA kernels on the CPU; [`commands`] is the command line.
+//! runs into tables and plots; [`cuda`] is the host side of the kernels in `kernels/`, [`emulated`] runs them on the CPU;
+//! [`commands`] is the command line.
 //!
 //! ```
 //! use halfpixel::{import, scene, stages};
@@ -33,10 +34,11 @@
 //! assert!(frame.pixel(32, 24).is_some());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-// Only `emulated` has some, where it calls kernels; each block says why it is sound.
+// Only `cuda` and `emulated` have some, where they call foreign code; each block says why it is sound.
 #![deny(unsafe_code)]
 
 pub mod commands;
+pub mod cuda;
 pub mod emulated;
 pub mod geometry;
 pub mod import;

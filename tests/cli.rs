@@ -180,11 +180,28 @@ fn warnings_are_listed_counted_and_with_strict_an_error() {
 }
 
 #[test]
+fn a_backend_that_is_asked_for_is_used_or_refused() {
+    let folder = Folder::new("backend");
+    let image = folder.path("image.png");
+    let with = |backend| ["render", "builtin:sphere", "-o", &image, "--size", "32x32", "--backend", backend, "--json"];
+    for backend in ["cpu", "auto"] {
+        assert_eq!(json(&with(backend))["backend"], "cpu");
+    }
+    let refused = error_line(&with("cuda"), 1);
+    assert!(refused.starts_with("--backend cuda can't be used: "), "{refused}");
+    assert_eq!(error_line(&["verify", "builtin:sphere", "--backend", "cuda"], 1), refused);
+    assert_eq!(error_line(&["bench", "speed", "builtin:sphere", "--backend", "cuda"], 1), refused);
+}
+
+#[test]
 fn devices_are_listed() {
     let devices = json(&["devices", "--json"]);
     assert_eq!(devices["devices"][0]["backend"], "cpu");
     assert!(devices["devices"][0]["threads"].as_u64() > Some(0));
     assert_eq!(halfpixel(&["devices"]).status.code(), Some(0));
+    // With a GPU or without: until whole frames are drawn there, something is missing, and it is said what.
+    let cuda = devices["missing"].as_array().and_then(|m| m.iter().find(|m| m["backend"] == "cuda")).expect("cuda");
+    assert!(cuda["reasons"].as_array().is_some_and(|r| !r.is_empty()));
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Arguments that commands share: everything that decides a frame.
 
 use super::UsageError;
+use super::backend::Backend;
 use super::source::ModelArgs;
 use crate::scene::{Camera, MAX_SIDE, Scene, View, ViewSpec};
 use crate::stages::{Bound, Cull, Fill, Grid, Options, Show, Trim};
@@ -67,6 +68,9 @@ pub struct FrameArgs {
     #[arg(long, value_name = "PIXELS", default_value_t = Options::default().depth_tolerance,
           value_parser = parse_depth_tolerance, allow_hyphen_values = true)]
     pub depth_tolerance: f64,
+    /// What draws the frame
+    #[arg(long, value_enum, default_value_t)]
+    pub backend: Backend,
     /// What the picture shows
     #[arg(long, value_enum, default_value_t)]
     pub show: Show,

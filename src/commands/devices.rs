@@ -1,6 +1,7 @@
-//! `halfpixel devices`: lists what frames can be drawn on.
+//! `halfpixel devices`: lists what frames can be drawn on, and what is missing where one can't.
 
-use super::{output, used};
+use super::{backend, output, used};
+use crate::cuda;
 use anyhow::Result;
 use serde::Serialize;
 use std::{process::ExitCode, thread};
@@ -16,40 +17,66 @@ pub struct Args {
 #[derive(Serialize)]
 struct Devices {
     devices: Vec<Device>,
-    /// What this build can't draw on, and why.
+    /// What can't be used, why, and what to do.
     missing: Vec<Missing>,
+    /// What compiled the kernels of this program.
+    nvcc: Option<&'static str>,
 }
 
 #[derive(Serialize)]
-struct Device {
-    backend: &'static str,
-    name: String,
-    /// Hardware threads this process may use.
-    threads: usize,
-    simd: String,
+#[serde(tag = "backend", rename_all = "lowercase")]
+enum Device {
+    Cpu {
+        name: String,
+        /// Hardware threads this process may use.
+        threads: usize,
+        simd: String,
+    },
+    Cuda(cuda::Device),
 }
 
 #[derive(Serialize)]
 struct Missing {
     backend: &'static str,
-    reason: &'static str,
+    reasons: Vec<String>,
 }
 
 pub fn run(args: Args) -> Result<ExitCode> {
     let threads = thread::available_parallelism().map_or(1, Into::into);
-    let cpu = Device { backend: "cpu", name: used::cpu_name(), threads, simd: used::simd_level() };
-    let no_gpu = "no GPU backend is built into this version";
-    let missing = ["cuda", "vulkan"].map(|backend| Missing { backend, reason: no_gpu });
-    let devices = Devices { devices: vec![cpu], missing: missing.into() };
+    let mut devices = vec![Device::Cpu { name: used::cpu_name(), threads, simd: used::simd_level() }];
+    devices.extend(cuda::devices().unwrap_or_default().into_iter().map(Device::Cuda));
+    let no_vulkan = "no Vulkan backend is built into this version".into();
+    let missing = [("cuda", backend::cuda_missing()), ("vulkan", vec![no_vulkan])];
+    let missing = missing.into_iter().filter(|(_, reasons)| !reasons.is_empty());
+    let missing = missing.map(|(backend, reasons)| Missing { backend, reasons }).collect();
+    let devices = Devices { devices, missing, nvcc: cuda::toolkit().map(|t| t.version) };
     if args.json {
         output::print_json(&devices)?;
         return Ok(ExitCode::SUCCESS);
     }
-    for d in &devices.devices {
-        output::print(&format!("{:<8}{} ({} threads, {})", d.backend, d.name, d.threads, d.simd))?;
+    for device in &devices.devices {
+        output::print(&line(device))?;
     }
     for m in &devices.missing {
-        output::print(&format!("{:<8}not available: {}", m.backend, m.reason))?;
+        for reason in &m.reasons {
+            output::print(&format!("{:<8}not available: {reason}", m.backend))?;
+        }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+fn line(device: &Device) -> String {
+    match device {
+        Device::Cpu { name, threads, simd } => format!("{:<8}{name} ({threads} threads, {simd})", "cpu"),
+        Device::Cuda(d) => {
+            let ([major, minor], [cuda, cuda_minor]) = (d.compute_capability, d.driver.cuda);
+            let driver = d.driver.version.as_deref().unwrap_or("unknown");
+            let gib = d.memory as f64 / f64::from(1 << 30);
+            format!(
+                "{:<8}{} (device {}, compute capability {major}.{minor}, {} multiprocessors, {gib:.1} GiB, driver \
+                 {driver} for CUDA {cuda}.{cuda_minor}, {})",
+                "cuda", d.name, d.ordinal, d.multiprocessors, d.uuid
+            )
+        }
+    }
 }

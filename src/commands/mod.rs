@@ -5,6 +5,7 @@
 
 pub mod args;
 pub mod attributes;
+pub mod backend;
 pub mod bench;
 pub mod compare;
 pub mod devices;
@@ -40,6 +41,19 @@ pub enum Command {
     Devices(devices::Args),
 }
 
+impl Command {
+    /// What its frames are to be, where it draws any.
+    fn frame(&self) -> Option<&args::FrameArgs> {
+        match self {
+            Command::Render(args) => Some(&args.frame),
+            Command::Verify(args) => Some(&args.frame),
+            Command::Compare(args) => Some(&args.frame),
+            Command::Bench(args) => args.suite.frame(),
+            Command::Info(_) | Command::Devices(_) => None,
+        }
+    }
+}
+
 /// Wrong usage that the parser alone can't see; the program ends with status 2.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
@@ -62,6 +76,9 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 }
 
 fn run(command: Command) -> anyhow::Result<ExitCode> {
+    if let Some(frame) = command.frame() {
+        frame.backend.check()?;
+    }
     match command {
         Command::Render(args) => render::run(args),
         Command::Verify(args) => verify::run(args),

@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Half a sub-pixel step: what snapping a vertex to 1/256 pixel may move it.
 const SNAPPING: f64 = 1.0 / 512.0;
 /// Quads along one side of a meshlet: 8 x 8 vertices.
-pub(super) const MESHLET: u32 = 7;
+pub(super) const MESHLET: u32 = crate::cuda::abi::MESHLET_VERTICES - 1;
 /// Quads a leaf may have along one side; it is split beyond.
 const MAX_SIDE: u32 = 1 << 12;
 /// Quads a leaf may have in all; it is split beyond, so that what is off screen is culled.

@@ -10,7 +10,7 @@ use crate::scene::{Region, Scene};
 use glam::Vec4;
 
 /// Sub-pixel steps a pixel: 8 bits.
-pub(super) const SUBPIXELS: i32 = 256;
+pub(super) const SUBPIXELS: i32 = crate::cuda::abi::SUBPIXELS;
 
 /// A projected vertex, snapped.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,18 +1,19 @@
 //! The numbering inside a meshlet: its triangles and outer edges, in the low 7 bits of a visibility word.
 
 use super::evaluate::Meshlet;
+use crate::cuda::abi;
 
 /// Bits of a visibility word's index; the meshlet number starts above.
-pub(super) const INDEX_BITS: u32 = 7;
+pub(super) const INDEX_BITS: u32 = abi::INDEX_BITS;
 pub(super) const INDEX_MASK: u32 = (1 << INDEX_BITS) - 1;
 /// Meshlets that fit beside 7 bits of index in 32.
 pub(super) const MAX_MESHLETS: u64 = 1 << (32 - INDEX_BITS);
 /// 7 x 7 quads have 98 triangles; the outer edges follow: 7 on each of four sides.
-const FIRST_EDGE: u32 = 98;
-const EDGES_A_SIDE: u32 = 7;
+const FIRST_EDGE: u32 = abi::FIRST_EDGE;
+const EDGES_A_SIDE: u32 = abi::EDGES_A_SIDE;
 
 /// A stroke along a fold of the grid: it proposes a pixel to settle.rs and never stays.
-pub(super) const FOLD: u32 = INDEX_MASK;
+pub(super) const FOLD: u32 = abi::FOLD_INDEX;
 
 /// What a visibility word's index names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

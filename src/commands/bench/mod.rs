@@ -41,6 +41,18 @@ pub enum Suite {
     Stability(stability::Args),
 }
 
+impl Suite {
+    /// What its frames are to be, where the command line says so.
+    pub(super) fn frame(&self) -> Option<&FrameArgs> {
+        match self {
+            Suite::Contract(args) => Some(&args.suite.frame),
+            Suite::Quads(args) => Some(&args.frame),
+            Suite::Speed(args) => Some(&args.frame),
+            Suite::Reading(_) | Suite::Stability(_) => None,
+        }
+    }
+}
+
 /// What suites over models have in common.
 #[derive(Clone, Debug, clap::Args)]
 pub struct SuiteArgs {

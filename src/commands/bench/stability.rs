@@ -106,6 +106,7 @@ fn examine(title: &'static str, arguments: &'static str, args: &Args) -> Result<
 type Drawn = (Row, Option<[u64; 2]>);
 
 fn draw(frame: &FrameArgs, args: &Args) -> Result<Drawn> {
+    frame.backend.check()?;
     frame.model.install(|| {
         let effort = Effort { frames: 1, samples: args.samples, seed: args.seed };
         let (loaded, scene) = frame.model.load_scene()?;

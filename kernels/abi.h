@@ -1,0 +1,110 @@
+// The structs and numbers that host and device share, described here alone. bindgen makes src/cuda/abi.rs of this page
+// (HALFPIXEL_UPDATE=1 cargo test --test abi writes it; the test fails while it is stale), with assertions of every size and offset.
+//
+// Plain C++ that needs no CUDA header, and no pointers: buffers are arguments of kernels. Constants are `static const`,
+// since bindgen guesses the types of macros.
+#pragma once
+#include <stdint.h>
+
+/// Vertices along one side of a meshlet.
+static const uint32_t MESHLET_VERTICES = 8;
+/// Sub-pixel steps a pixel.
+static const int32_t SUBPIXELS = 256;
+
+/// A visibility word: depth bits << 32 | meshlet << INDEX_BITS | index. The larger wins, 0 is background.
+static const uint32_t INDEX_BITS = 7;
+/// First index of the outer edges of a meshlet: 7 x 7 quads have 98 triangles before them.
+static const uint32_t FIRST_EDGE = 98;
+/// Outer edges on each of the four sides (u=0, u=1, v=0, v=1).
+static const uint32_t EDGES_A_SIDE = 7;
+/// A stroke along a fold of the grid: it proposes a pixel and never stays.
+static const uint32_t FOLD_INDEX = 127;
+
+/// How a grid is drawn by the fused frame: what one lane is given (research "kernel-study", question 3).
+enum GridClass : uint32_t {
+    /// 1 x 1 quad: a thread a patch, from the four corners alone.
+    GRID_CORNERS = 0,
+    /// 1 x k quads: a thread a patch.
+    GRID_ROW = 1,
+    /// Up to 3 quads across: 4 lanes a patch.
+    GRID_NARROW = 2,
+    /// Up to 7 quads across: 8 lanes a patch. Larger grids are cut into meshlets of this class.
+    GRID_WIDE = 3,
+};
+
+/// A homogeneous point; loaded and stored 16 bytes at a time.
+struct alignas(16) Point {
+    float x;
+    float y;
+    float z;
+    float w;
+};
+
+/// What every kernel knows of the camera: `Lens` in src/stages/lens.rs.
+struct View {
+    double eye[3];
+    /// Rows: right, down, forward.
+    double axes[3][3];
+    /// Pixels a unit: focal length in perspective, scale in orthographic views.
+    double scale;
+    /// What is nearer is not drawn.
+    double near;
+    double extent;
+    /// `near` in f32, for depths in perspective.
+    float near_f32;
+    /// Stored depth lost a unit of camera depth in orthographic views: 1 / extent.
+    float depth_slope;
+    uint32_t size[2];
+    uint32_t perspective;
+    /// The interpolation that the bound certifies: 0 affine, 1 projective.
+    uint32_t projective;
+};
+
+/// A drawn piece of a patch with its grid: `Leaf` and `Tessellation` in src/stages.
+struct alignas(16) Patch {
+    /// First of its (degree[0] + 1)(degree[1] + 1) control points, v innermost, as (X, Y, Z, w): `Leaf::net`.
+    uint32_t net;
+    /// First Bernstein value of its grid lines, u and v: degree + 1 values a line, quads + 1 lines.
+    uint32_t basis[2];
+    uint16_t quads[2];
+    uint8_t degree[2];
+    /// 0: quads are cut (0,0)-(1,1); 1: (1,0)-(0,1).
+    uint8_t diagonal;
+    /// Sign of the screen area of triangles that face away on a solid; 0: both sides can be seen.
+    int8_t hidden;
+    /// Sub-pixel position of its centre from the image's top left corner.
+    int32_t base[2];
+    float depth_origin;
+    /// Orthographic: the stored depth at `depth_origin`.
+    float depth_offset;
+    /// Bound of the rounding of a vertex's screen position, in pixels.
+    float rounding;
+    uint32_t instance;
+    /// Index into the scene's patches.
+    uint32_t source;
+};
+
+/// A block of up to 7 x 7 quads of one patch's grid. 16 bytes: one load (20 cost five).
+struct alignas(16) Meshlet {
+    uint32_t patch;
+    /// First of its (quads[0] + 1)(quads[1] + 1) vertices, v innermost.
+    uint32_t vertices;
+    /// Its first quad in the patch's grid.
+    uint16_t first[2];
+    uint8_t quads[2];
+    /// Which of its sides (u=0, u=1, v=0, v=1) are the patch's, or border on a meshlet that is trimmed away: bits 0 to 3.
+    uint8_t outer;
+    /// 1: a trim curve crosses it.
+    uint8_t tested;
+};
+
+/// A projected vertex, snapped.
+struct alignas(16) Vertex {
+    /// Sub-pixel position from the image's top left corner.
+    int32_t x;
+    int32_t y;
+    /// Stored depth: larger is nearer, in (0, 1].
+    float depth;
+    /// Weight of this vertex's parameters at a pixel, as the bound's interpolation asks for.
+    float weight;
+};

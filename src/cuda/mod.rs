@@ -1,0 +1,85 @@
+//! The host side of the CUDA backend.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `abi.rs` | the structs of `kernels/abi.h`, made by bindgen |
+//! | `device.rs` | which devices there are, and what is missing where there is none |
+//! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
+//!
+//! libcuda is opened when it is first asked for: the program starts where there is no driver.
+
+// Generated: kernels/abi.h says what everything is.
+#[allow(missing_docs, non_snake_case)]
+#[rustfmt::skip]
+pub mod abi;
+// Calls of the driver are the library's only unsafe code.
+#[allow(unsafe_code)]
+mod device;
+mod module;
+
+pub use device::{Device, Driver, devices, driver};
+pub use module::{Kernels, Toolkit, fatbin, targets, toolkit};
+
+use cudarc::driver::DriverError;
+use thiserror::Error;
+
+/// Compute capability that the kernels need.
+pub const OLDEST_DEVICE: [i32; 2] = [8, 0];
+
+/// What keeps a frame from being drawn on a CUDA device, and how to mend it.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum CudaError {
+    #[error("this program was built without CUDA kernels ({reason}): run scripts/install_nvcc.sh and build it again")]
+    NoKernels { reason: String },
+    #[error("there is no NVIDIA driver here (libcuda can't be loaded): install the driver of the GPU")]
+    NoDriver,
+    #[error("the NVIDIA driver finds no device: look at nvidia-smi, and at CUDA_VISIBLE_DEVICES")]
+    NoDevice,
+    #[error(
+        "{name} has compute capability {}.{}; {}.{} or newer is needed",
+        found[0], found[1], OLDEST_DEVICE[0], OLDEST_DEVICE[1]
+    )]
+    TooOld { name: String, found: [i32; 2] },
+    #[error(
+        "the NVIDIA driver knows CUDA {}.{}, the kernels were built with nvcc {nvcc}: update the driver, or build with an \
+         nvcc of the driver's release",
+        driver[0], driver[1]
+    )]
+    OldDriver { driver: [i32; 2], nvcc: String },
+    #[error("there is no CUDA device {ordinal}; there are {count}")]
+    NoSuchDevice { ordinal: usize, count: usize },
+    #[error("the kernels hold no {name}")]
+    NoSuchKernel { name: String },
+    #[error("{what} failed: {reason}")]
+    Driver { what: &'static str, reason: String },
+}
+
+impl CudaError {
+    /// A failed call of the driver, with the driver's own words.
+    fn of_driver(what: &'static str) -> impl Fn(DriverError) -> Self {
+        move |error| {
+            let text = error.error_string().map(|t| t.to_string_lossy().into_owned());
+            let name = error.error_name().map(|t| t.to_string_lossy().into_owned());
+            let reason = match (name, text) {
+                (Ok(name), Ok(text)) => format!("{text} ({name})"),
+                _ => format!("{:?}", error.0),
+            };
+            Self::Driver { what, reason }
+        }
+    }
+}
+
+/// Everything that keeps kernels from running here, all at once: nothing, if one device will do.
+pub fn missing() -> Vec<CudaError> {
+    let mut missing: Vec<CudaError> = fatbin().err().into_iter().collect();
+    match devices() {
+        Ok(devices) => {
+            let unfit: Vec<CudaError> = devices.iter().filter_map(|d| d.check().err()).collect();
+            if unfit.len() == devices.len() {
+                missing.extend(unfit);
+            }
+        }
+        Err(error) => missing.push(error),
+    }
+    missing
+}

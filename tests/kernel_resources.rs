@@ -1,0 +1,207 @@
+//! The machine code of every kernel: there for every target, without spills, and as the committed table says.
+
+#[path = "support/fresh.rs"]
+mod fresh;
+
+use fresh::{agrees, root};
+use halfpixel::cuda;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::{env, fs};
+
+const TABLE: &str = "bench/results/kernel-resources.md";
+
+/// What one kernel takes on one target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Usage {
+    /// 32-bit registers a thread.
+    registers: u32,
+    /// Bytes a thread: nothing may be kept there.
+    stack: u32,
+    local: u32,
+    /// Bytes a block, those that CUDA reserves included.
+    shared: u32,
+}
+
+/// What a multiprocessor has: CUDA C++ Programming Guide, "Technical Specifications per Compute Capability".
+struct Multiprocessor {
+    warps: u32,
+    blocks: u32,
+    /// Bytes.
+    shared: u32,
+}
+
+/// By kernel and target.
+type Usages = BTreeMap<String, BTreeMap<u32, Usage>>;
+
+#[test]
+fn kernels_are_there_for_every_target_and_spill_nothing() {
+    let Some(dump) = Dump::new("all") else { return };
+    let usages = dump.usages();
+    assert!(usages.len() >= 8, "{:?}", usages.keys());
+    for (kernel, by_target) in &usages {
+        let targets: Vec<u32> = by_target.keys().copied().collect();
+        assert_eq!(targets, cuda::targets(), "{kernel}");
+        for (target, usage) in by_target {
+            assert_eq!((usage.stack, usage.local), (0, 0), "{kernel} on sm_{target} spills");
+        }
+    }
+    let ptx: Vec<String> = usages.keys().cloned().collect();
+    assert_eq!(dump.threads().into_keys().collect::<Vec<_>>(), ptx, "PTX has the same kernels, with launch bounds");
+}
+
+#[test]
+fn the_table_of_resources_is_fresh() {
+    let Some(dump) = Dump::new("table") else { return };
+    let version = cuda::toolkit().expect("kernels were built").version;
+    let pinned = fs::read_to_string(root().join("scripts/nvcc_wheels.txt")).expect("the list of wheels");
+    if !pinned.contains(&format!("nvidia-cuda-nvcc=={version} ")) {
+        eprintln!(
+            "skipped: the table is for the nvcc of scripts/install_nvcc.sh, the kernels were built with {version}"
+        );
+        return;
+    }
+    agrees(TABLE, &table(version, &dump.usages(), &dump.threads()));
+}
+
+#[test]
+fn every_kernel_loads_where_there_is_a_device() {
+    let missing = cuda::missing();
+    if !missing.is_empty() {
+        eprintln!("skipped: {}", missing.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "));
+        return;
+    }
+    let fit = |d: &cuda::Device| d.check().is_ok();
+    let device = cuda::devices().expect("devices").into_iter().find(fit).expect("one that will do");
+    let kernels = cuda::Kernels::load(device.ordinal).expect("kernels load");
+    let Some(dump) = Dump::new("load") else { return };
+    for name in dump.usages().keys() {
+        kernels.get(name).unwrap_or_else(|e| panic!("{e}"));
+    }
+    assert!(kernels.get("evaluate_f33").is_err());
+}
+
+fn table(version: &str, usages: &Usages, threads: &BTreeMap<String, u32>) -> String {
+    let mut text = format!(
+        "# What kernels take\n\nMade by `HALFPIXEL_UPDATE=1 cargo test --test kernel_resources` from the machine code of nvcc \
+         {version}; nothing here was timed. Cells: registers a thread / stack a thread / shared memory a block (bytes; \
+         the 1024 that CUDA reserves included) / warps a multiprocessor holds, of those it could.\n\n| kernel | threads \
+         a block |"
+    );
+    let targets = cuda::targets();
+    targets.iter().for_each(|t| write!(text, " sm_{t} |").expect("a string"));
+    text.push_str("\n|---|---|");
+    text.push_str(&"---|".repeat(targets.len()));
+    for (kernel, by_target) in usages {
+        let threads = threads[kernel];
+        write!(text, "\n| {kernel} | {threads} |").expect("a string");
+        for (&target, u) in by_target {
+            let limits = multiprocessor(target);
+            let resident = resident_warps(u, threads, &limits);
+            let cell = format!(" {} / {} / {} / {resident} of {} |", u.registers, u.stack, u.shared, limits.warps);
+            text.push_str(&cell);
+        }
+    }
+    text.push('\n');
+    text
+}
+
+fn multiprocessor(target: u32) -> Multiprocessor {
+    let (warps, blocks, kib) = match target {
+        80 => (64, 32, 164),
+        86 => (48, 16, 100),
+        89 => (48, 24, 100),
+        90 => (64, 32, 228),
+        120 => (48, 24, 100),
+        other => panic!("enter the limits of sm_{other} here"),
+    };
+    Multiprocessor { warps, blocks, shared: kib << 10 }
+}
+
+/// Warps that registers (64 Ki, given to warps in units of 256), shared memory and the limits above leave.
+fn resident_warps(usage: &Usage, threads: u32, limits: &Multiprocessor) -> u32 {
+    let warps_a_block = threads.div_ceil(32);
+    let registers_a_warp = (usage.registers * 32).next_multiple_of(256);
+    let by_registers = 65536 / registers_a_warp / warps_a_block;
+    let blocks = by_registers.min(limits.shared / usage.shared).min(limits.blocks).min(limits.warps / warps_a_block);
+    blocks * warps_a_block
+}
+
+/// What cuobjdump tells of the embedded fatbin.
+struct Dump {
+    program: PathBuf,
+    fatbin: PathBuf,
+}
+
+impl Dump {
+    /// `None`, with a line that says why, where kernels or cuobjdump are missing. `name` keeps tests' files apart.
+    fn new(name: &str) -> Option<Self> {
+        let fatbin = match cuda::fatbin() {
+            Ok(fatbin) => fatbin,
+            Err(error) => {
+                eprintln!("skipped: {error}");
+                return None;
+            }
+        };
+        let Some(program) = cuobjdump() else {
+            eprintln!("skipped: no cuobjdump (scripts/install_nvcc.sh brings one)");
+            return None;
+        };
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("kernels-{name}.fatbin"));
+        fs::write(&path, fatbin).expect("a temporary file");
+        Some(Self { program, fatbin: path })
+    }
+
+    fn text(&self, what: &str) -> String {
+        let output = Command::new(&self.program).arg(what).arg(&self.fatbin).output().expect("cuobjdump runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("text")
+    }
+
+    fn usages(&self) -> Usages {
+        let text = self.text("--dump-resource-usage");
+        let (mut usages, mut target, mut kernel) = (Usages::new(), 0, String::new());
+        for line in text.lines().map(str::trim) {
+            if let Some(name) = line.strip_prefix("arch = sm_") {
+                target = name.parse().expect("a target");
+            } else if let Some(name) = line.strip_prefix("Function ") {
+                kernel = name.trim_end_matches(':').to_owned();
+            } else if line.starts_with("REG:") {
+                let field = |name: &str| {
+                    let found = line.split_whitespace().find_map(|f| f.strip_prefix(name)?.strip_prefix(':'));
+                    found.and_then(|n| n.parse().ok()).unwrap_or_else(|| panic!("no {name} in {line}"))
+                };
+                // From sm_90 on, what CUDA reserves is in the figure.
+                let reserved = if target < 90 { 1024 } else { 0 };
+                let shared = field("SHARED") + reserved;
+                let usage = Usage { registers: field("REG"), stack: field("STACK"), local: field("LOCAL"), shared };
+                assert_eq!(usages.entry(kernel.clone()).or_default().insert(target, usage), None, "{kernel} twice");
+            }
+        }
+        usages
+    }
+
+    /// Threads a block of every kernel, from the launch bounds in its PTX.
+    fn threads(&self) -> BTreeMap<String, u32> {
+        let (mut threads, mut kernel) = (BTreeMap::new(), String::new());
+        for line in self.text("--dump-ptx").lines() {
+            if let Some((_, name)) = line.split_once(".entry ") {
+                kernel = name.trim_end_matches('(').trim().to_owned();
+            } else if let Some(number) = line.trim().strip_prefix(".maxntid ") {
+                let number = number.split(',').map(|n| n.trim().parse::<u32>().expect("a number")).product();
+                threads.insert(kernel.clone(), number);
+            }
+        }
+        threads
+    }
+}
+
+/// cuobjdump beside the nvcc that was used, from the project's own folder, or in PATH.
+fn cuobjdump() -> Option<PathBuf> {
+    let mut folders: Vec<PathBuf> = cuda::toolkit().map(|t| t.folder.into()).into_iter().collect();
+    folders.push(root().join("target/nvcc/nvidia/cu13/bin"));
+    folders.extend(env::split_paths(&env::var_os("PATH").unwrap_or_default()));
+    folders.into_iter().map(|f| f.join("cuobjdump")).find(|p| p.is_file())
+}
