@@ -1,7 +1,7 @@
 //! `--backend`: what draws the frame. What is asked for by name is used or refused with all reasons; only `auto` falls
 //! back.
 
-use crate::cuda;
+use crate::{cuda, emulated};
 use anyhow::bail;
 use serde::Serialize;
 
@@ -15,6 +15,8 @@ pub enum Backend {
     Cpu,
     /// An NVIDIA GPU
     Cuda,
+    /// The GPU's kernels, run on the CPU: to test them
+    Emulated,
 }
 
 impl Backend {
@@ -23,16 +25,22 @@ impl Backend {
         match self {
             Backend::Auto | Backend::Cpu => Ok(()),
             Backend::Cuda => bail!("--backend cuda can't be used: {}", cuda_missing().join("; ")),
+            Backend::Emulated => bail!("--backend emulated can't be used: {}", emulated_missing().join("; ")),
         }
     }
 }
 
 /// Why no frame is drawn with CUDA here; never empty before its stages are there.
 pub fn cuda_missing() -> Vec<String> {
-    let missing: Vec<String> = cuda::missing().iter().map(ToString::to_string).collect();
-    if missing.is_empty() {
-        vec!["this version has kernels but no whole frame of them: use --backend cpu".into()]
-    } else {
-        missing
-    }
+    or_unfinished(cuda::missing().iter().map(ToString::to_string).collect())
+}
+
+/// The same for kernels on the CPU.
+pub fn emulated_missing() -> Vec<String> {
+    or_unfinished(emulated::missing().into_iter().map(String::from).collect())
+}
+
+fn or_unfinished(missing: Vec<String>) -> Vec<String> {
+    let unfinished = "this version has kernels but no whole frame of them: use --backend cpu";
+    if missing.is_empty() { vec![unfinished.into()] } else { missing }
 }

@@ -46,7 +46,8 @@ pub fn run(args: Args) -> Result<ExitCode> {
     let mut devices = vec![Device::Cpu { name: used::cpu_name(), threads, simd: used::simd_level() }];
     devices.extend(cuda::devices().unwrap_or_default().into_iter().map(Device::Cuda));
     let no_vulkan = "no Vulkan backend is built into this version".into();
-    let missing = [("cuda", backend::cuda_missing()), ("vulkan", vec![no_vulkan])];
+    let missing =
+        [("cuda", backend::cuda_missing()), ("emulated", backend::emulated_missing()), ("vulkan", vec![no_vulkan])];
     let missing = missing.into_iter().filter(|(_, reasons)| !reasons.is_empty());
     let missing = missing.map(|(backend, reasons)| Missing { backend, reasons }).collect();
     let devices = Devices { devices, missing, nvcc: cuda::toolkit().map(|t| t.version) };
@@ -59,7 +60,7 @@ pub fn run(args: Args) -> Result<ExitCode> {
     }
     for m in &devices.missing {
         for reason in &m.reasons {
-            output::print(&format!("{:<8}not available: {reason}", m.backend))?;
+            output::print(&format!("{:<9}not available: {reason}", m.backend))?;
         }
     }
     Ok(ExitCode::SUCCESS)
@@ -67,13 +68,13 @@ pub fn run(args: Args) -> Result<ExitCode> {
 
 fn line(device: &Device) -> String {
     match device {
-        Device::Cpu { name, threads, simd } => format!("{:<8}{name} ({threads} threads, {simd})", "cpu"),
+        Device::Cpu { name, threads, simd } => format!("{:<9}{name} ({threads} threads, {simd})", "cpu"),
         Device::Cuda(d) => {
             let ([major, minor], [cuda, cuda_minor]) = (d.compute_capability, d.driver.cuda);
             let driver = d.driver.version.as_deref().unwrap_or("unknown");
             let gib = d.memory as f64 / f64::from(1 << 30);
             format!(
-                "{:<8}{} (device {}, compute capability {major}.{minor}, {} multiprocessors, {gib:.1} GiB, driver \
+                "{:<9}{} (device {}, compute capability {major}.{minor}, {} multiprocessors, {gib:.1} GiB, driver \
                  {driver} for CUDA {cuda}.{cuda_minor}, {})",
                 "cuda", d.name, d.ordinal, d.multiprocessors, d.uuid
             )
