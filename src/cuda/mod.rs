@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `abi.rs` | the structs of `kernels/abi.h`, made by bindgen |
 //! | `device.rs` | which devices there are, and what is missing where there is none |
+//! | `evaluate.rs` | a frame's patches and meshlets as `kernels/abi.h` describes them |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
 //!
 //! libcuda is opened when it is first asked for: the program starts where there is no driver.
@@ -15,6 +16,7 @@ pub mod abi;
 // Calls of the driver are the library's only unsafe code.
 #[allow(unsafe_code)]
 mod device;
+pub mod evaluate;
 mod module;
 
 pub use device::{Device, Driver, devices, driver};

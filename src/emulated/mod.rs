@@ -20,6 +20,7 @@
 mod absent;
 mod device;
 mod error;
+mod evaluate;
 #[cfg(host_kernels)]
 mod ffi;
 mod memory;

@@ -8,7 +8,7 @@ const KEPT_QUADS: usize = 64;
 
 /// Tables of `B_i^degree(k / quads)`, made when first asked for.
 #[derive(Debug)]
-pub(super) struct BasisTables {
+pub(crate) struct BasisTables {
     kept: Vec<OnceLock<Box<[f32]>>>,
 }
 

@@ -24,7 +24,7 @@ const MAX_LEAVES: usize = 1 << 20;
 
 /// A drawn piece of a patch.
 #[derive(Clone, Debug)]
-pub(super) struct Leaf {
+pub(crate) struct Leaf {
     pub instance: u32,
     pub patch: u32,
     /// Lower corner of its rectangle in the patch's unit square.
@@ -53,14 +53,14 @@ pub(super) struct Leaf {
 
 /// The exact part of a split patch.
 #[derive(Clone, Debug)]
-pub(super) struct SubPatch {
+pub(crate) struct SubPatch {
     pub net: BezierPatch,
     pub enclosure: Enclosure,
 }
 
 /// What cull hands on.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Leaves {
+pub(crate) struct Leaves {
     pub leaves: Vec<Leaf>,
     pub nets: Vec<Vec4>,
     pub patches_visible: u64,

@@ -25,7 +25,7 @@ const MAX_DEPTH: u32 = 40;
 
 /// The grid of one leaf.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Tessellation {
+pub(crate) struct Tessellation {
     pub quads: [u32; 2],
     /// 0: (0,0)-(1,1); 1: (1,0)-(0,1).
     pub diagonal: u8,

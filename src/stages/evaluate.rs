@@ -14,7 +14,7 @@ pub(super) const SUBPIXELS: i32 = crate::cuda::abi::SUBPIXELS;
 
 /// A projected vertex, snapped.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Vertex {
+pub(crate) struct Vertex {
     /// Sub-pixel position from the image's top left corner.
     pub x: i32,
     pub y: i32,
@@ -26,7 +26,7 @@ pub(super) struct Vertex {
 
 /// A block of at most 7 x 7 quads of one leaf's grid.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Meshlet {
+pub(crate) struct Meshlet {
     pub leaf: u32,
     /// Its (quads_u + 1)(quads_v + 1) vertices, u outermost.
     pub vertices: u32,
@@ -47,7 +47,7 @@ pub(super) struct Meshlet {
 
 /// What evaluate hands on, for any number of leaves.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Meshlets {
+pub(crate) struct Meshlets {
     pub meshlets: Vec<Meshlet>,
     pub vertices: Vec<Vertex>,
     pub quads: u64,
@@ -236,16 +236,14 @@ struct Projector {
 
 impl Projector {
     fn new(lens: &Lens, leaf: &Leaf, interpolation: Interpolation) -> Self {
-        // The image centre is a whole or half pixel: exact in sub-pixels.
-        let base = [0, 1].map(|k| leaf.center[k] * SUBPIXELS + lens.size[k] as i32 * (SUBPIXELS / 2));
         Self {
-            base,
+            base: lens.base(leaf.center),
             depth_origin: leaf.depth_origin as f32,
             perspective: lens.perspective,
             projective: interpolation == Interpolation::Projective,
             near: lens.near as f32,
-            offset: (1.0 - (leaf.depth_origin - lens.near) / lens.extent) as f32,
-            slope: (1.0 / lens.extent) as f32,
+            offset: lens.depth_offset(leaf.depth_origin),
+            slope: lens.depth_slope(),
         }
     }
 

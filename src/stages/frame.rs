@@ -16,6 +16,8 @@ use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
 use super::trim::{textures, trim};
 use super::trim_cut::gaps;
 use super::{Bound, Options, Trim};
+#[cfg(test)]
+use crate::cuda::evaluate::Staged;
 use crate::scene::{Camera, PatchTrim, Scene};
 use glam::Vec4;
 use rayon::prelude::*;
@@ -164,6 +166,16 @@ impl<'a> Renderer<'a> {
                 + (meshlets.bytes() + size_of_val(&nets[..]) + size_of_val(&leaves[..])) as u64,
         };
         Ok(Frame { camera: *camera, options: *options, stats, targets, leaves, grids, meshlets, filled })
+    }
+
+    /// The stages up to evaluate, and their result as kernels are given it.
+    #[cfg(test)]
+    pub(super) fn staged(&self, camera: &Camera, options: &Options) -> Result<(Meshlets, Staged), RenderError> {
+        let lens = Lens::new(camera);
+        let Geometry { leaves, grids } = self.estimate(&lens, options, self.cull(&lens, options)?)?;
+        let meshlets = self.evaluate(&lens, options, &leaves, &grids)?;
+        let staged = Staged::new(&lens, options, &self.tables, &leaves, &grids, &meshlets);
+        Ok((meshlets, staged))
     }
 
     /// Takes a frame's buffers back for the next one.

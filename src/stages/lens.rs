@@ -1,5 +1,6 @@
 //! From a patch's own coordinates to pixel-homogeneous ones, in f64.
 
+use super::evaluate::SUBPIXELS;
 use crate::scene::{Camera, Projection, SceneInstance};
 use glam::{DAffine3, DMat3, DVec3, DVec4};
 
@@ -8,7 +9,7 @@ use glam::{DAffine3, DMat3, DVec3, DVec4};
 /// A homogeneous point `(wx, wy, wz, w)` becomes `(X, Y, Z, w)`: `Z = w z` with z the camera depth, and the pixel is
 /// `(X, Y) / D` about the image centre, where the denominator D is Z in perspective and w in orthographic views.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lens {
+pub(crate) struct Lens {
     pub size: [u32; 2],
     pub perspective: bool,
     /// Pixels a unit: focal length in perspective, scale in orthographic views.
@@ -22,7 +23,7 @@ pub(super) struct Lens {
 
 /// The map of one patch: rows give X, Y, Z of a local homogeneous point.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PatchMap {
+pub(crate) struct PatchMap {
     pub rows: [DVec4; 3],
     /// Camera axes in the patch's own coordinates (right, down, forward), instance scale included.
     pub axes: [DVec3; 3],
@@ -80,6 +81,22 @@ impl Lens {
     /// The denominator of the projection.
     pub fn denominator(&self, p: DVec4) -> f64 {
         if self.perspective { p.z } else { p.w }
+    }
+
+    /// Sub-pixel position, from the image's top left corner, of a pixel about the image's centre. That centre is a whole or
+    /// half pixel: exact.
+    pub fn base(&self, center: [i32; 2]) -> [i32; 2] {
+        [0, 1].map(|k| center[k] * SUBPIXELS + self.size[k] as i32 * (SUBPIXELS / 2))
+    }
+
+    /// The stored depth at a camera depth in orthographic views.
+    pub fn depth_offset(&self, z: f64) -> f32 {
+        (1.0 - (z - self.near) / self.extent) as f32
+    }
+
+    /// Stored depth lost a unit of camera depth in orthographic views.
+    pub fn depth_slope(&self) -> f32 {
+        (1.0 / self.extent) as f32
     }
 
     /// Size of a pixel in model units at camera depth z.

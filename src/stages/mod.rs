@@ -1,15 +1,15 @@
 //! The frame on the CPU, one file a stage (DESIGN section 1): cull, estimate, evaluate, rasterize, trim, fill, shade.
 
-mod basis;
+pub(crate) mod basis;
 mod bounds;
-mod cull;
-mod estimate;
-mod evaluate;
+pub(crate) mod cull;
+pub(crate) mod estimate;
+pub(crate) mod evaluate;
 mod fill;
 mod fold_step;
 mod frame;
 mod interpolate;
-mod lens;
+pub(crate) mod lens;
 mod light;
 mod newton;
 mod options;

@@ -1,0 +1,105 @@
+//! evaluate, host side: a frame's patches and meshlets as `kernels/abi.h` describes them.
+
+use super::abi;
+use crate::stages::cull::Leaves;
+use crate::stages::estimate::Tessellation;
+use crate::stages::evaluate::Meshlets;
+use crate::stages::lens::Lens;
+use crate::stages::{Interpolation, Options, basis::BasisTables};
+use foldhash::{HashMap, HashMapExt};
+
+/// Meshlets a block of the kernels evaluates, a warp each.
+pub const WARPS: u32 = 4;
+
+/// What the kernels of `kernels/evaluate.cu` are given.
+#[derive(Clone, Debug, Default)]
+pub struct Staged {
+    pub view: abi::View,
+    pub patches: Vec<abi::Patch>,
+    /// In the order of their numbers.
+    pub meshlets: Vec<abi::Meshlet>,
+    pub nets: Vec<abi::Point>,
+    /// Bernstein values, a table for each degree and grid size that occurs.
+    pub basis: Vec<f32>,
+    /// Vertices of all meshlets.
+    pub vertices: usize,
+}
+
+impl Staged {
+    /// Of the CPU's own cull and estimate. Degrees fit a byte: `geometry::MAX_DEGREE`.
+    pub(crate) fn new(
+        lens: &Lens,
+        options: &Options,
+        tables: &BasisTables,
+        leaves: &Leaves,
+        grids: &[Tessellation],
+        meshlets: &Meshlets,
+    ) -> Self {
+        let mut staged = Self { view: view(lens, options), vertices: meshlets.vertices.len(), ..Self::default() };
+        let mut places: HashMap<(usize, u32), u32> = HashMap::new();
+        for (leaf, grid) in leaves.leaves.iter().zip(grids) {
+            let basis = [0, 1].map(|k| {
+                let (degree, quads) = (leaf.degree[k], grid.quads[k]);
+                *places.entry((degree, quads)).or_insert_with(|| {
+                    let start = staged.basis.len() as u32;
+                    tables.with(degree, quads, |table| staged.basis.extend_from_slice(table));
+                    start
+                })
+            });
+            staged.patches.push(abi::Patch {
+                net: leaf.net,
+                basis,
+                quads: grid.quads.map(|n| n as u16),
+                degree: leaf.degree.map(|d| d as u8),
+                diagonal: grid.diagonal,
+                hidden: leaf.hidden,
+                base: lens.base(leaf.center),
+                depth_origin: leaf.depth_origin as f32,
+                depth_offset: lens.depth_offset(leaf.depth_origin),
+                rounding: leaf.rounding as f32,
+                instance: leaf.instance,
+                source: leaf.patch,
+            });
+        }
+        staged.nets = leaves.nets.iter().map(|p| abi::Point { x: p.x, y: p.y, z: p.z, w: p.w }).collect();
+        staged.meshlets = (meshlets.meshlets.iter())
+            .map(|m| abi::Meshlet {
+                patch: m.leaf,
+                vertices: m.vertices,
+                first: m.first,
+                quads: m.quads,
+                outer: m.outer,
+                tested: u8::from(m.tested),
+            })
+            .collect();
+        staged
+    }
+
+    /// The kernels that evaluate all meshlets, each with its own: one for each degree that is the same in u and v and at
+    /// most 7, one for all others.
+    pub fn bins(&self) -> Vec<(String, Vec<abi::Meshlet>)> {
+        let mut bins: Vec<Vec<abi::Meshlet>> = vec![Vec::new(); 8];
+        for meshlet in &self.meshlets {
+            let [u, v] = self.patches[meshlet.patch as usize].degree;
+            bins[if u == v && (1..=7).contains(&u) { usize::from(u) } else { 0 }].push(*meshlet);
+        }
+        let name = |degree: usize| if degree == 0 { "evaluate_f32".into() } else { format!("evaluate_f32_d{degree}") };
+        let bins = bins.into_iter().enumerate().filter(|(_, meshlets)| !meshlets.is_empty());
+        bins.map(|(degree, meshlets)| (name(degree), meshlets)).collect()
+    }
+}
+
+fn view(lens: &Lens, options: &Options) -> abi::View {
+    abi::View {
+        eye: lens.eye.to_array(),
+        axes: lens.axes.map(|axis| axis.to_array()),
+        scale: lens.scale,
+        near: lens.near,
+        extent: lens.extent,
+        near_f32: lens.near as f32,
+        depth_slope: lens.depth_slope(),
+        size: lens.size,
+        perspective: lens.perspective.into(),
+        projective: (options.bound.interpolation() == Interpolation::Projective).into(),
+    }
+}

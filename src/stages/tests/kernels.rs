@@ -1,0 +1,44 @@
+//! The GPU's kernels, run on the CPU, against the stages.
+
+use crate::cuda::abi;
+use crate::emulated::{self, Device, Schedule};
+use crate::import;
+use crate::scene::{ViewSpec, prepare};
+use crate::stages::{Bound, Options, Renderer};
+use std::collections::BTreeSet;
+
+/// All degrees up to 25, mixed ones, rational and polynomial, trimmed, split by a near plane; tiny, far away, degenerate.
+const MODELS: [&str; 5] =
+    ["builtin:teapot", "builtin:torus", "builtin:drum", "builtin:trimmed:drilled", "builtin:stress"];
+/// One of each kernel for the same degree in u and v, and the one for any.
+const KERNELS: usize = 8;
+
+#[test]
+fn evaluate_gives_the_same_words() {
+    if let Some(why) = emulated::missing() {
+        return println!("skipped: {why}");
+    }
+    let mut kernels = BTreeSet::new();
+    for name in MODELS {
+        let model = import::load(name).expect("a model");
+        let scene = prepare(&model, &|_, _| {}).expect("a scene");
+        let renderer = Renderer::new(&scene);
+        let views = [(false, Bound::Screen, 1.0), (true, Bound::Screen, 1.0), (false, Bound::Eter, 6.0)];
+        for (orthographic, bound, zoom) in views {
+            let view = ViewSpec { size: [160, 120], zoom, orthographic, ..ViewSpec::default() };
+            let camera = view.camera(&scene.bounds).expect("a camera");
+            let options = Options { bound, ..Options::default() };
+            let (meshlets, staged) = renderer.staged(&camera, &options).expect("a frame");
+            kernels.extend(staged.bins().into_iter().map(|(kernel, _)| kernel));
+            let expected: Vec<abi::Vertex> = (meshlets.vertices.iter())
+                .map(|v| abi::Vertex { x: v.x, y: v.y, depth: v.depth, weight: v.weight })
+                .collect();
+            for schedule in [Schedule::default(), Schedule::adversarial()[3]] {
+                let found = Device::new(schedule, 2).evaluate(&staged).expect("no fault");
+                assert!(!found.is_empty());
+                assert_eq!(found, expected, "{name}, {bound:?}, orthographic: {orthographic}");
+            }
+        }
+    }
+    assert_eq!(kernels.len(), KERNELS, "{kernels:?}");
+}
