@@ -3,7 +3,7 @@
 use super::basis::BasisTables;
 use super::cull::{Culler, Leaf, Leaves};
 use super::estimate::{Tessellation, estimate};
-use super::evaluate::{Meshlets, View, evaluate};
+use super::evaluate::{Meshlets, Vertex, View, evaluate};
 use super::fill::{Filled, fill};
 use super::interpolate::interpolate;
 use super::lens::Lens;
@@ -16,8 +16,7 @@ use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
 use super::trim::{textures, trim};
 use super::trim_cut::gaps;
 use super::{Bound, Options, Trim};
-#[cfg(test)]
-use crate::cuda::evaluate::Staged;
+use crate::cuda::{abi, evaluate::Staged};
 use crate::scene::{Camera, PatchTrim, Scene};
 use glam::Vec4;
 use rayon::prelude::*;
@@ -168,14 +167,15 @@ impl<'a> Renderer<'a> {
         Ok(Frame { camera: *camera, options: *options, stats, targets, leaves, grids, meshlets, filled })
     }
 
-    /// The stages up to evaluate, and their result as kernels are given it.
-    #[cfg(test)]
-    pub(super) fn staged(&self, camera: &Camera, options: &Options) -> Result<(Meshlets, Staged), RenderError> {
+    /// What the kernels of evaluate are given in a frame, and the vertices that the CPU makes of it.
+    pub fn staged(&self, camera: &Camera, options: &Options) -> Result<(Staged, Vec<abi::Vertex>), RenderError> {
+        self.check(options)?;
         let lens = Lens::new(camera);
         let Geometry { leaves, grids } = self.estimate(&lens, options, self.cull(&lens, options)?)?;
         let meshlets = self.evaluate(&lens, options, &leaves, &grids)?;
         let staged = Staged::new(&lens, options, &self.tables, &leaves, &grids, &meshlets);
-        Ok((meshlets, staged))
+        let vertex = |v: &Vertex| abi::Vertex { x: v.x, y: v.y, depth: v.depth, weight: v.weight };
+        Ok((staged, meshlets.vertices.iter().map(vertex).collect()))
     }
 
     /// Takes a frame's buffers back for the next one.

@@ -1,5 +1,5 @@
 //! Kernels on the CPU (`kernels/host`): each piece of the emulation against a plain reference, and every mistake that a
-//! kernel can make, made on purpose.
+//! kernel can make, made on purpose; the frame's own kernels against the CPU's stages.
 
 #[cfg(not(host_kernels))]
 #[test]
@@ -13,6 +13,8 @@ mod atomics;
 mod block;
 #[cfg(host_kernels)]
 mod collectives;
+#[cfg(host_kernels)]
+mod evaluate;
 #[cfg(host_kernels)]
 mod faults;
 #[cfg(host_kernels)]

@@ -3,7 +3,6 @@
 mod cull;
 mod deviation;
 mod grid;
-mod kernels;
 mod near;
 mod newton;
 mod raster;
