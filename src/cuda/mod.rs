@@ -5,6 +5,7 @@
 //! | `abi.rs` | the structs of `kernels/abi.h`, made by bindgen |
 //! | `device.rs` | which devices there are, and what is missing where there is none |
 //! | `evaluate.rs` | a frame's patches and meshlets as `kernels/abi.h` describes them |
+//! | `gpu.rs` | memory and launches: what a frame needs of a device |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
 //!
 //! libcuda is opened when it is first asked for: the program starts where there is no driver.
@@ -17,9 +18,11 @@ pub mod abi;
 #[allow(unsafe_code)]
 mod device;
 pub mod evaluate;
+mod gpu;
 mod module;
 
 pub use device::{Device, Driver, devices, driver};
+pub use gpu::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape};
 pub use module::{Kernels, Toolkit, fatbin, targets, toolkit};
 
 use cudarc::driver::DriverError;
