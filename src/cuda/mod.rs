@@ -6,6 +6,7 @@
 //! | `device.rs` | which devices there are, and what is missing where there is none |
 //! | `evaluate.rs` | a frame's patches and meshlets as `kernels/abi.h` describes them |
 //! | `gpu.rs` | memory and launches: what a frame needs of a device |
+//! | `leaves.rs` | what the stages that draw a patch know of it |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
 //!
 //! libcuda is opened when it is first asked for: the program starts where there is no driver.
@@ -19,6 +20,7 @@ pub mod abi;
 mod device;
 pub mod evaluate;
 mod gpu;
+pub(crate) mod leaves;
 mod module;
 
 pub use device::{Device, Driver, devices, driver};
