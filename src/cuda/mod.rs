@@ -5,9 +5,11 @@
 //! | `abi.rs` | the structs of `kernels/abi.h`, made by bindgen |
 //! | `device.rs` | which devices there are, and what is missing where there is none |
 //! | `evaluate.rs` | a frame's patches and meshlets as `kernels/abi.h` describes them |
+//! | `frame.rs` | the staged frame: which kernels run, one stage after the other |
 //! | `gpu.rs` | memory and launches: what a frame needs of a device |
 //! | `leaves.rs` | what the stages that draw a patch know of it |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
+//! | `session.rs` | a frame's buffers and launches |
 //!
 //! libcuda is opened when it is first asked for: the program starts where there is no driver.
 
@@ -19,9 +21,11 @@ pub mod abi;
 #[allow(unsafe_code)]
 mod device;
 pub mod evaluate;
+pub(crate) mod frame;
 mod gpu;
 pub(crate) mod leaves;
 mod module;
+mod session;
 
 pub use device::{Device, Driver, devices, driver};
 pub use gpu::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape};
