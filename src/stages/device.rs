@@ -6,7 +6,7 @@ use super::lens::Lens;
 use super::shade::{Shader, repaint};
 use super::stats::{Clock, Stats};
 use super::{Options, Show};
-use crate::cuda::{Gpu, frame};
+use crate::cuda::{self, Gpu, frame};
 use crate::emulated;
 use crate::scene::Camera;
 
@@ -18,6 +18,19 @@ pub enum Engine {
     Cpu,
     /// The GPU's kernels, run on the CPU.
     Emulated(Box<emulated::Device>),
+    /// An NVIDIA GPU.
+    Cuda(Box<cuda::Stream>),
+}
+
+impl Engine {
+    /// As `--backend` names it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Engine::Cpu => "cpu",
+            Engine::Emulated(_) => "emulated",
+            Engine::Cuda(_) => "cuda",
+        }
+    }
 }
 
 impl Renderer<'_> {

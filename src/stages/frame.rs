@@ -131,6 +131,7 @@ impl<'a> Renderer<'a> {
         let frame = match &mut engine {
             Engine::Cpu => self.render_here(camera, options),
             Engine::Emulated(device) => self.render_on(&mut **device, camera, options),
+            Engine::Cuda(stream) => self.render_on(&mut **stream, camera, options),
         };
         self.engine = engine;
         frame
