@@ -8,6 +8,7 @@
 //! | `gpu.rs` | memory and launches: what a frame needs of a device |
 //! | `leaves.rs` | what the stages that draw a patch know of it |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
+//! | `trims.rs` | trim trees in a device's memory |
 //!
 //! libcuda is opened when it is first asked for: the program starts where there is no driver.
 
@@ -22,6 +23,7 @@ pub mod evaluate;
 mod gpu;
 pub(crate) mod leaves;
 mod module;
+pub mod trims;
 
 pub use device::{Device, Driver, devices, driver};
 pub use gpu::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape};
