@@ -2,6 +2,7 @@
 
 pub(crate) mod basis;
 mod bounds;
+mod cone;
 pub(crate) mod cull;
 pub(crate) mod estimate;
 pub(crate) mod evaluate;
