@@ -397,3 +397,138 @@ pub const DOUBT_DEEP: u32 = 1;
 pub const DOUBT_BESIDE: u32 = 2;
 /// Not under the centre, since the patch ends before.
 pub const DOUBT_ENDED: u32 = 3;
+pub mod Region {
+    #[allow(unused_imports)]
+    use super::*;
+    /// Where a box of parameters lies: `Region` in src/scene/trim_tree.rs.
+    pub type Type = u32;
+    pub const REGION_INSIDE: Type = 0;
+    pub const REGION_OUTSIDE: Type = 1;
+    /// A trim curve meets the box.
+    pub const REGION_BOUNDARY: Type = 2;
+}
+/// A face's trim loops: a kd-tree in the lists of all trees. src/scene/trim_tree.rs has the meaning of each.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct TrimTree {
+    /// Lowest and highest (u, v).
+    pub low: [f64; 2usize],
+    pub high: [f64; 2usize],
+    /// Largest gap of its curves.
+    pub gap: f64,
+    pub root: u32,
+    pub unused: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of TrimTree"][::core::mem::size_of::<TrimTree>() - 48usize];
+    ["Alignment of TrimTree"][::core::mem::align_of::<TrimTree>() - 8usize];
+    ["Offset of field: TrimTree::low"][::core::mem::offset_of!(TrimTree, low) - 0usize];
+    [
+        "Offset of field: TrimTree::high",
+    ][::core::mem::offset_of!(TrimTree, high) - 16usize];
+    ["Offset of field: TrimTree::gap"][::core::mem::offset_of!(TrimTree, gap) - 32usize];
+    [
+        "Offset of field: TrimTree::root",
+    ][::core::mem::offset_of!(TrimTree, root) - 40usize];
+    [
+        "Offset of field: TrimTree::unused",
+    ][::core::mem::offset_of!(TrimTree, unused) - 44usize];
+};
+/// `tag` of a node: the axis of a split, or this and above for a cell.
+pub const NODE_CELL: u32 = 2;
+/// `tag` of a cell: the lower end of its right side is inside. Its number of clips stands above.
+pub const NODE_INSIDE: u32 = 1;
+pub const NODE_COUNT_SHIFT: u32 = 2;
+/// Two children, lower and upper, or a cell with its clips.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct TrimNode {
+    /// Where it is split.
+    pub at: f64,
+    /// First child, or first clip.
+    pub first: u32,
+    pub tag: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of TrimNode"][::core::mem::size_of::<TrimNode>() - 16usize];
+    ["Alignment of TrimNode"][::core::mem::align_of::<TrimNode>() - 16usize];
+    ["Offset of field: TrimNode::at"][::core::mem::offset_of!(TrimNode, at) - 0usize];
+    [
+        "Offset of field: TrimNode::first",
+    ][::core::mem::offset_of!(TrimNode, first) - 8usize];
+    ["Offset of field: TrimNode::tag"][::core::mem::offset_of!(TrimNode, tag) - 12usize];
+};
+/// `exit` of a clip: the height at which it leaves through its cell's right side.
+pub const EXIT_NONE: u32 = 0;
+pub const EXIT_LOWER: u32 = 1;
+pub const EXIT_UPPER: u32 = 2;
+/// A segment within one cell, between two heights.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct TrimClip {
+    pub heights: [f64; 2usize],
+    pub segment: u32,
+    pub exit: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of TrimClip"][::core::mem::size_of::<TrimClip>() - 24usize];
+    ["Alignment of TrimClip"][::core::mem::align_of::<TrimClip>() - 8usize];
+    [
+        "Offset of field: TrimClip::heights",
+    ][::core::mem::offset_of!(TrimClip, heights) - 0usize];
+    [
+        "Offset of field: TrimClip::segment",
+    ][::core::mem::offset_of!(TrimClip, segment) - 16usize];
+    [
+        "Offset of field: TrimClip::exit",
+    ][::core::mem::offset_of!(TrimClip, exit) - 20usize];
+};
+/// A monotone piece of a trim curve, from its lower end to its upper.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct TrimSegment {
+    /// (u, v).
+    pub ends: [[f64; 2usize]; 2usize],
+    pub gap: f64,
+    /// Its points; none where it is straight.
+    pub first: u32,
+    pub count: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of TrimSegment"][::core::mem::size_of::<TrimSegment>() - 48usize];
+    ["Alignment of TrimSegment"][::core::mem::align_of::<TrimSegment>() - 16usize];
+    [
+        "Offset of field: TrimSegment::ends",
+    ][::core::mem::offset_of!(TrimSegment, ends) - 0usize];
+    [
+        "Offset of field: TrimSegment::gap",
+    ][::core::mem::offset_of!(TrimSegment, gap) - 32usize];
+    [
+        "Offset of field: TrimSegment::first",
+    ][::core::mem::offset_of!(TrimSegment, first) - 40usize];
+    [
+        "Offset of field: TrimSegment::count",
+    ][::core::mem::offset_of!(TrimSegment, count) - 44usize];
+};
+/// (wu, wv, w).
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct TrimPoint {
+    pub x: f64,
+    pub y: f64,
+    pub w: f64,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of TrimPoint"][::core::mem::size_of::<TrimPoint>() - 24usize];
+    ["Alignment of TrimPoint"][::core::mem::align_of::<TrimPoint>() - 8usize];
+    ["Offset of field: TrimPoint::x"][::core::mem::offset_of!(TrimPoint, x) - 0usize];
+    ["Offset of field: TrimPoint::y"][::core::mem::offset_of!(TrimPoint, y) - 8usize];
+    ["Offset of field: TrimPoint::w"][::core::mem::offset_of!(TrimPoint, w) - 16usize];
+};

@@ -11,6 +11,7 @@
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
 //! | `session.rs` | a frame's buffers and launches |
 //! | `stream.rs` | a GPU as a frame uses it |
+//! | `trims.rs` | trim trees in a device's memory |
 //!
 //! libcuda is opened when it is first asked for: the program starts where there is no driver.
 
@@ -30,6 +31,7 @@ mod session;
 // Launches and copies are calls of the driver.
 #[allow(unsafe_code)]
 mod stream;
+pub mod trims;
 
 pub use device::{Device, Driver, devices, driver};
 pub use gpu::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape};

@@ -2,6 +2,7 @@
 
 pub(crate) mod basis;
 mod bounds;
+mod cone;
 pub(crate) mod cull;
 mod device;
 pub(crate) mod estimate;

@@ -29,6 +29,8 @@ mod sanitizers;
 mod special_products;
 #[cfg(host_kernels)]
 mod support;
+#[cfg(host_kernels)]
+mod trims;
 
 // The test kernels; their names join the list of kernels before `main`.
 #[cfg(host_kernels)]
