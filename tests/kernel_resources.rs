@@ -52,6 +52,24 @@ fn kernels_are_there_for_every_target_and_spill_nothing() {
     assert_eq!(dump.threads().into_keys().collect::<Vec<_>>(), ptx, "PTX has the same kernels, with launch bounds");
 }
 
+/// mma.sync m16n8k8 of each kernel on tensor cores: as many as evaluate_mma.cu says.
+#[test]
+fn products_run_on_tensor_cores() {
+    let Some(dump) = Dump::new("products") else { return };
+    let products = dump.products();
+    for (kernel, instruction, count) in [
+        ("evaluate_f16", "HMMA.1688.F32", 6),
+        ("evaluate_f16_recovered", "HMMA.1688.F32", 14),
+        ("evaluate_tf32", "HMMA.1688.F32.TF32", 6),
+        ("evaluate_tf32_recovered", "HMMA.1688.F32.TF32", 14),
+    ] {
+        let expected = BTreeMap::from([(instruction.to_owned(), count)]);
+        for target in cuda::targets() {
+            assert_eq!(products.get(&(kernel.to_owned(), *target)), Some(&expected), "{kernel} on sm_{target}");
+        }
+    }
+}
+
 #[test]
 fn the_table_of_resources_is_fresh() {
     let Some(dump) = Dump::new("table") else { return };
@@ -173,14 +191,30 @@ impl Dump {
                     let found = line.split_whitespace().find_map(|f| f.strip_prefix(name)?.strip_prefix(':'));
                     found.and_then(|n| n.parse().ok()).unwrap_or_else(|| panic!("no {name} in {line}"))
                 };
-                // From sm_90 on, what CUDA reserves is in the figure.
-                let reserved = if target < 90 { 1024 } else { 0 };
-                let shared = field("SHARED") + reserved;
+                // From sm_90 on, what CUDA reserves is in the figure, but for kernels that declare none.
+                let declared = field("SHARED");
+                let shared = declared + if target < 90 || declared == 0 { 1024 } else { 0 };
                 let usage = Usage { registers: field("REG"), stack: field("STACK"), local: field("LOCAL"), shared };
                 assert_eq!(usages.entry(kernel.clone()).or_default().insert(target, usage), None, "{kernel} twice");
             }
         }
         usages
+    }
+
+    /// Matrix instructions by kernel and target.
+    fn products(&self) -> BTreeMap<(String, u32), BTreeMap<String, u32>> {
+        let (mut products, mut target, mut kernel) = (BTreeMap::new(), 0, String::new());
+        for line in self.text("--dump-sass").lines().map(str::trim) {
+            if let Some(name) = line.strip_prefix("arch = sm_") {
+                target = name.parse().expect("a target");
+            } else if let Some(name) = line.strip_prefix("Function : ") {
+                kernel = name.to_owned();
+            } else if let Some(name) = line.split_whitespace().find(|word| word.contains("MMA.")) {
+                let of_kernel: &mut BTreeMap<_, _> = products.entry((kernel.clone(), target)).or_default();
+                *of_kernel.entry(name.to_owned()).or_insert(0) += 1;
+            }
+        }
+        products
     }
 
     /// Threads a block of every kernel, from the launch bounds in its PTX.

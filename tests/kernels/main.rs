@@ -16,7 +16,14 @@ mod collectives;
 #[cfg(host_kernels)]
 mod evaluate;
 #[cfg(host_kernels)]
+mod evaluate_mma;
+#[cfg(host_kernels)]
+mod evaluate_scene;
+#[cfg(host_kernels)]
 mod faults;
+#[cfg(host_kernels)]
+#[path = "../support/fresh.rs"]
+mod fresh;
 #[cfg(host_kernels)]
 mod numbers;
 #[cfg(host_kernels)]
