@@ -43,6 +43,7 @@ struct Exact {
     /// Pixels about the patch's centre.
     place: [f64; 2],
     depth: f64,
+    weight: f64,
     /// Pixels that the patch is wide or high.
     extent: f64,
     centre: [i32; 2],
@@ -55,12 +56,15 @@ pub struct Errors {
     /// Over the extent of the patch on the screen.
     pub of_extent: f64,
     pub depth: f64,
+    /// Relative.
+    pub weight: f64,
 }
 
 impl Errors {
     pub fn max(self, other: Self) -> Self {
         let [px, of_extent] = [self.px.max(other.px), self.of_extent.max(other.of_extent)];
-        Self { px, of_extent, depth: self.depth.max(other.depth) }
+        let [depth, weight] = [self.depth.max(other.depth), self.weight.max(other.weight)];
+        Self { px, of_extent, depth, weight }
     }
 }
 
@@ -82,6 +86,7 @@ impl Scene {
             near_f32: NEAR as f32,
             depth_slope: 1.0 / 32.0,
             perspective: u32::from(kind.perspective),
+            projective: u32::from(kind.rational),
             ..View::default()
         };
         let (patches, meshlets, nets, basis) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -129,8 +134,8 @@ impl Scene {
             });
             for i in first[0]..=first[0] + size[0] {
                 for j in first[1]..=first[1] + size[1] {
-                    let [x, y, depth] = project(kind, sum(&net, &lines_u[i], &lines_v[j]));
-                    self.exact.push(Some(Exact { place: [x, y], depth, extent, centre }));
+                    let [x, y, depth, weight] = project(kind, sum(&net, &lines_u[i], &lines_v[j]));
+                    self.exact.push(Some(Exact { place: [x, y], depth, weight, extent, centre }));
                 }
             }
             self.exact.extend([None; GAP]);
@@ -172,7 +177,8 @@ impl Scene {
             let px = off(0).max(off(1));
             let depth = (f64::from(vertex.depth) - exact.depth).abs();
             assert!(depth.is_finite(), "vertex {k} was not written");
-            errors = errors.max(Errors { px, of_extent: px / exact.extent, depth });
+            let weight = (f64::from(vertex.weight) / exact.weight - 1.0).abs();
+            errors = errors.max(Errors { px, of_extent: px / exact.extent, depth, weight });
         }
         errors
     }
@@ -194,11 +200,16 @@ impl Scene {
     }
 }
 
-/// Pixels and stored depth of a point of a net.
-fn project(kind: Kind, [x, y, z, w]: [f64; 4]) -> [f64; 3] {
+/// Pixels, stored depth and weight of a point of a net. Rational ones are interpolated projectively.
+fn project(kind: Kind, [x, y, z, w]: [f64; 4]) -> [f64; 4] {
     let denominator = if kind.perspective { z + DEPTH * w } else { w };
     let depth = if kind.perspective { NEAR * w / denominator } else { 0.5 - z / w / 32.0 };
-    [x / denominator / MAGNIFIED, y / denominator / MAGNIFIED, depth]
+    let weight = match (kind.rational, kind.perspective) {
+        (true, _) => 1.0 / denominator,
+        (false, true) => depth,
+        (false, false) => 1.0,
+    };
+    [x / denominator / MAGNIFIED, y / denominator / MAGNIFIED, depth, weight]
 }
 
 /// The larger side of the box about the projected control points.
