@@ -6,6 +6,7 @@
 //! | `device.rs` | which devices there are, and what is missing where there is none |
 //! | `evaluate.rs` | a frame's patches and meshlets as `kernels/abi.h` describes them |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
+//! | `precision.rs` | the arithmetics of evaluation, a bound of each one's error, and which to take |
 //!
 //! libcuda is opened when it is first asked for: the program starts where there is no driver.
 
@@ -18,6 +19,7 @@ pub mod abi;
 mod device;
 pub mod evaluate;
 mod module;
+pub mod precision;
 
 pub use device::{Device, Driver, devices, driver};
 pub use module::{Kernels, Toolkit, fatbin, targets, toolkit};

@@ -2,15 +2,13 @@
 
 use crate::support::Random;
 use halfpixel::cuda::abi::{Meshlet, Patch, Point, SUBPIXELS, Vertex, View};
+use halfpixel::cuda::precision::Hull;
 use halfpixel::emulated::{Device, Shape};
 
-/// x and y are so many times as large as the test says, so that snapping to sub-pixels does not hide what it measures. A
-/// power of two: it changes no significand.
-const MAGNIFIED: f64 = 4096.0;
 /// Camera depth that nets are centred on.
-const DEPTH: f64 = 10.0;
+pub const DEPTH: f64 = 10.0;
 /// What is nearest in perspective.
-const NEAR: f64 = 7.0;
+const NEAR: f64 = 5.0;
 /// Meshlets' vertices lie this far apart: no kernel may write between them.
 const GAP: usize = 3;
 
@@ -22,6 +20,15 @@ pub struct Kind {
     /// Pixels across.
     pub width: f64,
     pub perspective: bool,
+}
+
+/// A patch and what it is drawn in: a meshlet's first quad and number of quads.
+pub struct Surface<'a> {
+    pub degree: [usize; 2],
+    /// (X, Y, Z, w) about the patch's centre, in pixels times denominator.
+    pub net: &'a [[f64; 4]],
+    pub quads: [usize; 2],
+    pub meshlets: &'a [([usize; 2], [usize; 2])],
 }
 
 impl Kind {
@@ -40,6 +47,7 @@ impl Kind {
 /// What a vertex should be.
 #[derive(Clone, Copy)]
 struct Exact {
+    patch: usize,
     /// Pixels about the patch's centre.
     place: [f64; 2],
     depth: f64,
@@ -55,12 +63,19 @@ pub struct Errors {
     pub px: f64,
     /// Over the extent of the patch on the screen.
     pub of_extent: f64,
+    /// Relative in perspective.
     pub depth: f64,
     /// Relative.
     pub weight: f64,
 }
 
 impl Errors {
+    /// No more than so many times as large.
+    pub fn within(self, factor: f64, other: Self) -> bool {
+        let parts = |e: Self| [e.of_extent, e.depth, e.weight];
+        parts(self).iter().zip(parts(other)).all(|(mine, its)| *mine <= factor * its)
+    }
+
     pub fn max(self, other: Self) -> Self {
         let [px, of_extent] = [self.px.max(other.px), self.of_extent.max(other.of_extent)];
         let [depth, weight] = [self.depth.max(other.depth), self.weight.max(other.weight)];
@@ -70,6 +85,10 @@ impl Errors {
 
 /// The arguments of a launch.
 pub struct Scene {
+    kind: Kind,
+    /// x and y are so many times as large as the test says, so that snapping to sub-pixels does not hide what it measures. A
+    /// power of two: it changes no significand.
+    magnified: f64,
     pub view: View,
     pub patches: Vec<Patch>,
     pub meshlets: Vec<Meshlet>,
@@ -90,25 +109,46 @@ impl Scene {
             ..View::default()
         };
         let (patches, meshlets, nets, basis) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { view, patches, meshlets, nets, basis, exact: Vec::new(), random: Random(2026) }
+        // As large as 32 bits hold.
+        let magnified = 2.0_f64.powi(21 - kind.width.log2().ceil() as i32);
+        Self { kind, magnified, view, patches, meshlets, nets, basis, exact: Vec::new(), random: Random(2026) }
+    }
+
+    /// Pixels that snapping may be off by.
+    pub fn snapping(&self) -> f64 {
+        0.5 / f64::from(SUBPIXELS) / self.magnified
+    }
+
+    /// Of one patch, and the pixels that one of its own stands for.
+    pub fn hull(&self, patch: usize) -> (Hull, f64) {
+        let net = &self.nets[self.patches[patch].net as usize..];
+        let points = self.patches[patch].degree.iter().map(|&d| usize::from(d) + 1).product();
+        (Hull::new(&self.view, &self.patches[patch], &net[..points]), 1.0 / self.magnified)
     }
 
     /// A patch of each pair of degrees from 1 to 7, in two meshlets of 8 x 8 vertices.
     pub fn of_all_degrees(kind: Kind) -> Self {
         let mut scene = Self::new(kind);
         for degree in (0..49).map(|k| [1 + k / 7, 1 + k % 7]) {
-            scene.push(kind, degree, [14, 7], &[([0, 0], [7, 7]), ([7, 0], [7, 7])]);
+            scene.push(degree, [14, 7], &[([0, 0], [7, 7]), ([7, 0], [7, 7])]);
         }
         scene
     }
 
-    /// Adds a patch and meshlets of it: first quad, number of quads.
-    pub fn push(&mut self, kind: Kind, degree: [usize; 2], quads: [usize; 2], meshlets: &[([usize; 2], [usize; 2])]) {
-        let net = self.random_net(kind, degree);
+    /// Adds a patch of a random net and meshlets of it: first quad, number of quads.
+    pub fn push(&mut self, degree: [usize; 2], quads: [usize; 2], meshlets: &[([usize; 2], [usize; 2])]) {
+        let net = self.random_net(degree);
+        self.push_net(&Surface { degree, net: &net, quads, meshlets });
+    }
+
+    pub fn push_net(&mut self, surface: &Surface) {
+        let Surface { degree, quads, .. } = *surface;
+        let magnified = |&[x, y, z, w]: &[f64; 4]| [x * self.magnified, y * self.magnified, z, w];
+        let net: Vec<[f64; 4]> = surface.net.iter().map(magnified).collect();
         let lines = |k: usize| (0..=quads[k]).map(move |q| bernstein(degree[k], q as f64 / quads[k] as f64));
         let [lines_u, lines_v] = [0, 1].map(|k| lines(k).collect::<Vec<_>>());
         let centre = [300 + 7 * degree[0] as i32, -40];
-        let patch = Patch {
+        self.patches.push(Patch {
             net: self.nets.len() as u32,
             basis: [self.basis.len() as u32, (self.basis.len() + lines_u.len() * (degree[0] + 1)) as u32],
             quads: quads.map(|q| q as u16),
@@ -117,30 +157,30 @@ impl Scene {
             depth_origin: DEPTH as f32,
             depth_offset: 0.5,
             ..Patch::default()
-        };
+        });
         self.nets.extend(net.iter().map(|p| {
             let [x, y, z, w] = p.map(|c| c as f32);
             Point { x, y, z, w }
         }));
         self.basis.extend(lines_u.iter().chain(&lines_v).flatten().map(|&b| b as f32));
-        let extent = extent(kind, &net);
-        for &(first, size) in meshlets {
+        let patch = self.patches.len() - 1;
+        let extent = self.extent(&net);
+        for &(first, size) in surface.meshlets {
             self.meshlets.push(Meshlet {
-                patch: self.patches.len() as u32,
+                patch: patch as u32,
                 vertices: self.exact.len() as u32,
                 first: first.map(|f| f as u16),
                 quads: size.map(|s| s as u8),
                 ..Meshlet::default()
             });
-            for i in first[0]..=first[0] + size[0] {
-                for j in first[1]..=first[1] + size[1] {
-                    let [x, y, depth, weight] = project(kind, sum(&net, &lines_u[i], &lines_v[j]));
-                    self.exact.push(Some(Exact { place: [x, y], depth, weight, extent, centre }));
+            for u in &lines_u[first[0]..=first[0] + size[0]] {
+                for v in &lines_v[first[1]..=first[1] + size[1]] {
+                    let [x, y, depth, weight] = self.project(sum(&net, u, v));
+                    self.exact.push(Some(Exact { patch, place: [x, y], depth, weight, extent, centre }));
                 }
             }
             self.exact.extend([None; GAP]);
         }
-        self.patches.push(patch);
     }
 
     /// Runs a kernel. What it leaves alone is -1 in every bit.
@@ -164,7 +204,11 @@ impl Scene {
 
     /// Compares with f64; a vertex that is missing or one that should not be there fails.
     pub fn errors(&self, vertices: &[Vertex]) -> Errors {
-        let mut errors = Errors::default();
+        self.errors_by_patch(vertices).into_iter().fold(Errors::default(), Errors::max)
+    }
+
+    pub fn errors_by_patch(&self, vertices: &[Vertex]) -> Vec<Errors> {
+        let mut errors = vec![Errors::default(); self.patches.len()];
         for (k, (vertex, exact)) in vertices.iter().zip(&self.exact).enumerate() {
             let Some(exact) = exact else {
                 assert!(vertex.depth.is_nan() && vertex.x == -1, "vertex {k} is between meshlets");
@@ -172,54 +216,58 @@ impl Scene {
             };
             let off = |k: usize| {
                 let found = f64::from([vertex.x, vertex.y][k] - exact.centre[k] * SUBPIXELS) / f64::from(SUBPIXELS);
-                (found / MAGNIFIED - exact.place[k]).abs()
+                (found / self.magnified - exact.place[k]).abs()
             };
             let px = off(0).max(off(1));
-            let depth = (f64::from(vertex.depth) - exact.depth).abs();
+            let scale = if self.kind.perspective { exact.depth } else { 1.0 };
+            let depth = (f64::from(vertex.depth) - exact.depth).abs() / scale;
             assert!(depth.is_finite(), "vertex {k} was not written");
             let weight = (f64::from(vertex.weight) / exact.weight - 1.0).abs();
-            errors = errors.max(Errors { px, of_extent: px / exact.extent, depth, weight });
+            let of_patch = &mut errors[exact.patch];
+            *of_patch = of_patch.max(Errors { px, of_extent: px / exact.extent, depth, weight });
         }
         errors
     }
 
-    fn random_net(&mut self, kind: Kind, [m, n]: [usize; 2]) -> Vec<[f64; 4]> {
-        let mut unit = || self.random.below(1 << 30) as f64 / f64::from(1 << 29) - 1.0;
+    fn random_net(&mut self, [m, n]: [usize; 2]) -> Vec<[f64; 4]> {
+        let Kind { rational, width, perspective } = self.kind;
+        let mut unit = || self.random.unit();
         let mut net = Vec::new();
         for (i, j) in (0..=m).flat_map(|i| (0..=n).map(move |j| (i, j))) {
-            let mut along = |k: usize, degree: usize| kind.width * ((k as f64 + 0.4 * unit()) / degree as f64 - 0.5);
+            let mut along = |k: usize, degree: usize| width * ((k as f64 + 0.4 * unit()) / degree as f64 - 0.5);
             let [x, y] = [along(i, m), along(j, n)];
             let z = 0.2 * DEPTH * unit();
             // Below 1 as often as above.
             let weight = [0.3 + 0.7 * unit().abs(), 1.0 + 2.0 * unit().abs()][usize::from(unit() > 0.0)];
-            let w = if kind.rational { weight } else { 1.0 };
-            let scale = MAGNIFIED * if kind.perspective { DEPTH + z } else { 1.0 };
+            let w = if rational { weight } else { 1.0 };
+            let scale = if perspective { DEPTH + z } else { 1.0 };
             net.push([x * scale * w, y * scale * w, z * w, w]);
         }
         net
     }
-}
 
-/// Pixels, stored depth and weight of a point of a net. Rational ones are interpolated projectively.
-fn project(kind: Kind, [x, y, z, w]: [f64; 4]) -> [f64; 4] {
-    let denominator = if kind.perspective { z + DEPTH * w } else { w };
-    let depth = if kind.perspective { NEAR * w / denominator } else { 0.5 - z / w / 32.0 };
-    let weight = match (kind.rational, kind.perspective) {
-        (true, _) => 1.0 / denominator,
-        (false, true) => depth,
-        (false, false) => 1.0,
-    };
-    [x / denominator / MAGNIFIED, y / denominator / MAGNIFIED, depth, weight]
-}
+    /// Pixels, stored depth and weight of a point of a net. Rational ones are interpolated projectively.
+    fn project(&self, [x, y, z, w]: [f64; 4]) -> [f64; 4] {
+        let Kind { rational, perspective, .. } = self.kind;
+        let denominator = if perspective { z + DEPTH * w } else { w };
+        let depth = if perspective { NEAR * w / denominator } else { 0.5 - z / w / 32.0 };
+        let weight = match (rational, perspective) {
+            (true, _) => 1.0 / denominator,
+            (false, true) => depth,
+            (false, false) => 1.0,
+        };
+        [x / denominator / self.magnified, y / denominator / self.magnified, depth, weight]
+    }
 
-/// The larger side of the box about the projected control points.
-fn extent(kind: Kind, net: &[[f64; 4]]) -> f64 {
-    let side = |k: usize| {
-        let places = net.iter().map(|&p| project(kind, p)[k]);
-        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-        high - low
-    };
-    side(0).max(side(1))
+    /// The larger side of the box about the projected control points.
+    fn extent(&self, net: &[[f64; 4]]) -> f64 {
+        let side = |k: usize| {
+            let places = net.iter().map(|&p| self.project(p)[k]);
+            let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            high - low
+        };
+        side(0).max(side(1))
+    }
 }
 
 fn sum(net: &[[f64; 4]], u: &[f64], v: &[f64]) -> [f64; 4] {

@@ -16,6 +16,8 @@ mod collectives;
 #[cfg(host_kernels)]
 mod evaluate;
 #[cfg(host_kernels)]
+mod evaluate_bounds;
+#[cfg(host_kernels)]
 mod evaluate_mma;
 #[cfg(host_kernels)]
 mod evaluate_scene;
