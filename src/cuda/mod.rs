@@ -4,9 +4,11 @@
 //! |---|---|
 //! | `abi.rs` | the structs of `kernels/abi.h`, made by bindgen |
 //! | `device.rs` | which devices there are, and what is missing where there is none |
+//! | `clocks.rs` | what evaluation costs by arithmetic and device; computed, made by tests/kernel_resources |
 //! | `evaluate.rs` | a frame's patches and meshlets as `kernels/abi.h` describes them |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
-//! | `precision.rs` | the arithmetics of evaluation, a bound of each one's error, and which to take |
+//! | `precision.rs` | the arithmetics of evaluation, and a bound of each one's error |
+//! | `selection.rs` | which arithmetic a patch is evaluated in |
 //!
 //! libcuda is opened when it is first asked for: the program starts where there is no driver.
 
@@ -14,12 +16,15 @@
 #[allow(missing_docs, non_snake_case)]
 #[rustfmt::skip]
 pub mod abi;
+#[rustfmt::skip]
+mod clocks;
 // Calls of the driver are the library's only unsafe code.
 #[allow(unsafe_code)]
 mod device;
 pub mod evaluate;
 mod module;
 pub mod precision;
+pub mod selection;
 
 pub use device::{Device, Driver, devices, driver};
 pub use module::{Kernels, Toolkit, fatbin, targets, toolkit};

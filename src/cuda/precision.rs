@@ -1,4 +1,4 @@
-//! How exactly a patch is evaluated: the arithmetics of the kernels, an a-priori bound of the error of each, and which to take.
+//! How exactly a patch is evaluated: the arithmetics of the kernels, and an a-priori bound of the error of each.
 //!
 //! # The bound
 //! A vertex is a quotient of weighted sums of the control points `(X, Y, Z, W)`, which are centred: with `b = B_i(u) B_j(v)`,
@@ -43,6 +43,7 @@
 
 use super::abi;
 use serde::Serialize;
+use std::fmt;
 
 /// Half an ulp of 1 in f32.
 const U: f64 = 1.0 / (1 << 24) as f64;
@@ -52,9 +53,10 @@ const P: f64 = 1.0 / (1 << 11) as f64;
 pub const LARGEST_TENSOR_DEGREE: u8 = 7;
 
 /// The arithmetic of one kernel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Arithmetic {
+    #[default]
     F32,
     /// f16 on tensor cores.
     F16,
@@ -62,6 +64,27 @@ pub enum Arithmetic {
     F16Recovered,
     Tf32,
     Tf32Recovered,
+}
+
+/// A kernel that evaluates meshlets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Kernel {
+    arithmetic: Arithmetic,
+    /// What f32's loops are unrolled for; 0: any degrees.
+    degree: u8,
+}
+
+impl fmt::Display for Kernel {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self.arithmetic {
+            Arithmetic::F32 if self.degree > 0 => return write!(f, "evaluate_f32_d{}", self.degree),
+            Arithmetic::F32 => "evaluate_f32",
+            Arithmetic::F16 => "evaluate_f16",
+            Arithmetic::F16Recovered => "evaluate_f16_recovered",
+            Arithmetic::Tf32 => "evaluate_tf32",
+            Arithmetic::Tf32Recovered => "evaluate_tf32_recovered",
+        })
+    }
 }
 
 /// What a bound needs to know of a patch.
@@ -119,17 +142,12 @@ impl Hull {
 impl Arithmetic {
     pub const ALL: [Self; 5] = [Self::F32, Self::F16, Self::F16Recovered, Self::Tf32, Self::Tf32Recovered];
 
-    /// The kernel for patches of a degree; above 7 it is f32's for all.
-    pub fn kernel(self, degree: [u8; 2]) -> String {
+    /// The kernel for patches of a degree.
+    pub fn kernel(self, degree: [u8; 2]) -> Kernel {
         let [u, v] = degree;
-        match self.for_degree(degree) {
-            Self::F32 if u == v && (1..=LARGEST_TENSOR_DEGREE).contains(&u) => format!("evaluate_f32_d{u}"),
-            Self::F32 => "evaluate_f32".into(),
-            Self::F16 => "evaluate_f16".into(),
-            Self::F16Recovered => "evaluate_f16_recovered".into(),
-            Self::Tf32 => "evaluate_tf32".into(),
-            Self::Tf32Recovered => "evaluate_tf32_recovered".into(),
-        }
+        let arithmetic = self.for_degree(degree);
+        let unrolled = arithmetic == Self::F32 && u == v && (1..=LARGEST_TENSOR_DEGREE).contains(&u);
+        Kernel { arithmetic, degree: if unrolled { u } else { 0 } }
     }
 
     /// This, where tensor cores can do it.

@@ -40,7 +40,7 @@ pub fn tightness(arithmetic: Arithmetic) -> Tightness {
         let scene = hard_scene(kind);
         for tensor_cores in [TensorCores::Sm80, TensorCores::Sm90] {
             let mut device = Device::new(Schedule { tensor_cores, ..Schedule::default() }, 2);
-            let kernel = arithmetic.kernel([1, 2]);
+            let kernel = arithmetic.kernel([1, 2]).to_string();
             let vertices = scene.evaluate(&mut device, &kernel);
             for (patch, found) in scene.errors_by_patch(&vertices).into_iter().enumerate() {
                 let (hull, pixel) = scene.hull(patch);

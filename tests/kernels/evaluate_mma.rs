@@ -12,7 +12,7 @@ use std::fs;
 const TABLE: &str = "bench/results/evaluate-precisions.md";
 const F32: &str = "evaluate_f32";
 
-/// Kernels on tensor cores, and m16n8k8 products a meshlet; tests/kernel_resources.rs counts them in the machine code.
+/// Kernels on tensor cores, and m16n8k8 products a meshlet; tests/kernel_resources counts them in the machine code.
 const ARITHMETICS: [(Arithmetic, u32); 4] =
     [(Arithmetic::F16, 6), (Arithmetic::F16Recovered, 14), (Arithmetic::Tf32, 6), (Arithmetic::Tf32Recovered, 14)];
 const CORES: [TensorCores; 2] = [TensorCores::Sm80, TensorCores::Sm90];
@@ -61,7 +61,7 @@ fn errors_are_those_of_the_precision() {
     });
     let mut rows = f32_worst.row(F32, 0, "any");
     for (arithmetic, products) in ARITHMETICS {
-        let kernel = arithmetic.kernel([1, 2]);
+        let kernel = arithmetic.kernel([1, 2]).to_string();
         let recovered = matches!(arithmetic, Arithmetic::F16Recovered | Arithmetic::Tf32Recovered);
         for cores in CORES {
             let mut worst = Worst::default();
@@ -90,7 +90,7 @@ fn bounds() -> String {
     Arithmetic::ALL.map(row).concat()
 }
 
-/// On sm_80 / 86 / 89 / 90 / 120, as tests/kernel_resources.rs has written them down.
+/// On sm_80 / 86 / 89 / 90 / 120, as tests/kernel_resources has written them down.
 fn registers(kernel: &str) -> String {
     let table = fs::read_to_string(root().join("bench/results/kernel-resources.md")).expect("the table of resources");
     let line = table.lines().find(|l| l.starts_with(&format!("| {kernel} |"))).unwrap_or_else(|| panic!("{kernel}"));
@@ -119,7 +119,7 @@ fn small_meshlets_come_out_alike_in_any_order() {
     for kind in [Kind::ALL[3], Kind::ALL[5]] {
         let scene = small_meshlets(kind);
         for (arithmetic, _) in ARITHMETICS {
-            let kernel = arithmetic.kernel([1, 2]);
+            let kernel = arithmetic.kernel([1, 2]).to_string();
             let vertices = under_all_schedules(|device| Bits(scene.evaluate(device, &kernel)));
             for (patch, found) in scene.errors_by_patch(&vertices.0).into_iter().enumerate() {
                 let (hull, pixel) = scene.hull(patch);
@@ -148,7 +148,7 @@ fn scales_of_nets_do_not_matter() {
     // Projective weights are 1 / w: as the net, so they.
     scene.view.projective = 0;
     for (arithmetic, _) in ARITHMETICS {
-        let kernel = arithmetic.kernel([1, 2]);
+        let kernel = arithmetic.kernel([1, 2]).to_string();
         let expected = scene.evaluate(&mut Device::default(), &kernel);
         for factor in [2_f32.powi(-60), 2_f32.powi(60)] {
             let mut scaled = small_meshlets(kind);
