@@ -20,6 +20,14 @@ static const uint32_t EDGES_A_SIDE = 7;
 /// A stroke along a fold of the grid: it proposes a pixel and never stays.
 static const uint32_t FOLD_INDEX = 127;
 
+/// How cracks between grids are closed: `Fill` in src/stages/options.rs.
+enum FillRule : uint32_t {
+    FILL_STROKE = 0,
+    FILL_ETER = 1,
+    FILL_CONSERVATIVE = 2,
+    FILL_OFF = 3,
+};
+
 /// How a grid is drawn by the fused frame: what one lane is given (research "kernel-study", question 3).
 enum GridClass : uint32_t {
     /// 1 x 1 quad: a thread a patch, from the four corners alone.
@@ -58,6 +66,17 @@ struct View {
     uint32_t perspective;
     /// The interpolation that the bound certifies: 0 affine, 1 projective.
     uint32_t projective;
+    /// `Options`: pixels, pixel sizes.
+    double tolerance;
+    double depth_tolerance;
+    /// A `FillRule`.
+    uint32_t fill;
+    /// Newton steps; 0: interpolated parameters stay as they are.
+    uint32_t refine;
+    /// Meshlets that trim curves cross are tested.
+    uint32_t trim;
+    /// A `Show` of src/stages/options.rs.
+    uint32_t show;
 };
 
 /// A drawn piece of a patch with its grid: `Leaf` and `Tessellation` in src/stages.
@@ -82,6 +101,43 @@ struct alignas(16) Patch {
     uint32_t instance;
     /// Index into the scene's patches.
     uint32_t source;
+};
+
+/// Of a patch without trims, and where trims are off.
+static const uint32_t NO_TREE = 0xffffffff;
+
+/// The rest of what is known of a `Patch`, for the stages that draw it; a list of the same order. Pixels unless said.
+struct alignas(16) Leaf {
+    /// Its rectangle in the source patch's unit square: lower corner, size.
+    double corner[2];
+    double extent[2];
+    /// The same rectangle in the plane of its face's trims; the size may be negative.
+    double plane_origin[2];
+    double plane_size[2];
+    /// What a unit of length covers at most: `pixels_per_unit`.
+    double pixels_per_unit;
+    /// `Leaf::rounding`.
+    double rounding;
+    /// The model's gaps as far as they are closed: along the patch's borders, and of all the face's curves.
+    double gaps[2];
+    /// Parameters that lie in its patch, as far as refinement may go: lower and upper end in u, in v.
+    float domain[2][2];
+    /// What the grid is off by at most: pixels, and camera depth in model units.
+    float deviation[2];
+    /// What the depth may change beyond the surface's own slope, model units.
+    float depth_tolerance;
+    /// Linear RGB.
+    float color[3];
+    /// `Pen`, sub-pixels: radii for outer edges of sides u=0, u=1, v=0, v=1, where the surface may fold, and along folds.
+    int32_t pen_sides[4];
+    int32_t pen_radius;
+    int32_t pen_fold;
+    /// Pixel, about the image centre, that the net is centred on.
+    int32_t center[2];
+    /// The face's trims, or NO_TREE.
+    uint32_t tree;
+    /// Weights differ.
+    uint32_t rational;
 };
 
 /// A block of up to 7 x 7 quads of one patch's grid. 16 bytes: one load (20 cost five).

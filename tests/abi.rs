@@ -24,6 +24,7 @@ fn the_rust_side_of_the_abi_is_fresh() {
         .raw_line(format!("//! Made by bindgen from {HEADER}: change that file, and read its comments there."))
         .allowlist_file(".*/abi\\.h")
         .constified_enum_module("GridClass")
+        .constified_enum_module("FillRule")
         .derive_default(true)
         .derive_partialeq(true)
         .use_core()

@@ -12,6 +12,16 @@ pub const FIRST_EDGE: u32 = 98;
 pub const EDGES_A_SIDE: u32 = 7;
 /// A stroke along a fold of the grid: it proposes a pixel and never stays.
 pub const FOLD_INDEX: u32 = 127;
+pub mod FillRule {
+    #[allow(unused_imports)]
+    use super::*;
+    /// How cracks between grids are closed: `Fill` in src/stages/options.rs.
+    pub type Type = u32;
+    pub const FILL_STROKE: Type = 0;
+    pub const FILL_ETER: Type = 1;
+    pub const FILL_CONSERVATIVE: Type = 2;
+    pub const FILL_OFF: Type = 3;
+}
 pub mod GridClass {
     #[allow(unused_imports)]
     use super::*;
@@ -65,10 +75,21 @@ pub struct View {
     pub perspective: u32,
     /// The interpolation that the bound certifies: 0 affine, 1 projective.
     pub projective: u32,
+    /// `Options`: pixels, pixel sizes.
+    pub tolerance: f64,
+    pub depth_tolerance: f64,
+    /// A `FillRule`.
+    pub fill: u32,
+    /// Newton steps; 0: interpolated parameters stay as they are.
+    pub refine: u32,
+    /// Meshlets that trim curves cross are tested.
+    pub trim: u32,
+    /// A `Show` of src/stages/options.rs.
+    pub show: u32,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of View"][::core::mem::size_of::<View>() - 144usize];
+    ["Size of View"][::core::mem::size_of::<View>() - 176usize];
     ["Alignment of View"][::core::mem::align_of::<View>() - 8usize];
     ["Offset of field: View::eye"][::core::mem::offset_of!(View, eye) - 0usize];
     ["Offset of field: View::axes"][::core::mem::offset_of!(View, axes) - 24usize];
@@ -88,6 +109,16 @@ const _: () = {
     [
         "Offset of field: View::projective",
     ][::core::mem::offset_of!(View, projective) - 140usize];
+    [
+        "Offset of field: View::tolerance",
+    ][::core::mem::offset_of!(View, tolerance) - 144usize];
+    [
+        "Offset of field: View::depth_tolerance",
+    ][::core::mem::offset_of!(View, depth_tolerance) - 152usize];
+    ["Offset of field: View::fill"][::core::mem::offset_of!(View, fill) - 160usize];
+    ["Offset of field: View::refine"][::core::mem::offset_of!(View, refine) - 164usize];
+    ["Offset of field: View::trim"][::core::mem::offset_of!(View, trim) - 168usize];
+    ["Offset of field: View::show"][::core::mem::offset_of!(View, show) - 172usize];
 };
 /// A drawn piece of a patch with its grid: `Leaf` and `Tessellation` in src/stages.
 #[repr(C)]
@@ -141,6 +172,86 @@ const _: () = {
         "Offset of field: Patch::instance",
     ][::core::mem::offset_of!(Patch, instance) - 40usize];
     ["Offset of field: Patch::source"][::core::mem::offset_of!(Patch, source) - 44usize];
+};
+/// Of a patch without trims, and where trims are off.
+pub const NO_TREE: u32 = 4294967295;
+/// The rest of what is known of a `Patch`, for the stages that draw it; a list of the same order. Pixels unless said.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Leaf {
+    /// Its rectangle in the source patch's unit square: lower corner, size.
+    pub corner: [f64; 2usize],
+    pub extent: [f64; 2usize],
+    /// The same rectangle in the plane of its face's trims; the size may be negative.
+    pub plane_origin: [f64; 2usize],
+    pub plane_size: [f64; 2usize],
+    /// What a unit of length covers at most: `pixels_per_unit`.
+    pub pixels_per_unit: f64,
+    /// `Leaf::rounding`.
+    pub rounding: f64,
+    /// The model's gaps as far as they are closed: along the patch's borders, and of all the face's curves.
+    pub gaps: [f64; 2usize],
+    /// Parameters that lie in its patch, as far as refinement may go: lower and upper end in u, in v.
+    pub domain: [[f32; 2usize]; 2usize],
+    /// What the grid is off by at most: pixels, and camera depth in model units.
+    pub deviation: [f32; 2usize],
+    /// What the depth may change beyond the surface's own slope, model units.
+    pub depth_tolerance: f32,
+    /// Linear RGB.
+    pub color: [f32; 3usize],
+    /// `Pen`, sub-pixels: radii for outer edges of sides u=0, u=1, v=0, v=1, where the surface may fold, and along folds.
+    pub pen_sides: [i32; 4usize],
+    pub pen_radius: i32,
+    pub pen_fold: i32,
+    /// Pixel, about the image centre, that the net is centred on.
+    pub center: [i32; 2usize],
+    /// The face's trims, or NO_TREE.
+    pub tree: u32,
+    /// Weights differ.
+    pub rational: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Leaf"][::core::mem::size_of::<Leaf>() - 176usize];
+    ["Alignment of Leaf"][::core::mem::align_of::<Leaf>() - 16usize];
+    ["Offset of field: Leaf::corner"][::core::mem::offset_of!(Leaf, corner) - 0usize];
+    ["Offset of field: Leaf::extent"][::core::mem::offset_of!(Leaf, extent) - 16usize];
+    [
+        "Offset of field: Leaf::plane_origin",
+    ][::core::mem::offset_of!(Leaf, plane_origin) - 32usize];
+    [
+        "Offset of field: Leaf::plane_size",
+    ][::core::mem::offset_of!(Leaf, plane_size) - 48usize];
+    [
+        "Offset of field: Leaf::pixels_per_unit",
+    ][::core::mem::offset_of!(Leaf, pixels_per_unit) - 64usize];
+    [
+        "Offset of field: Leaf::rounding",
+    ][::core::mem::offset_of!(Leaf, rounding) - 72usize];
+    ["Offset of field: Leaf::gaps"][::core::mem::offset_of!(Leaf, gaps) - 80usize];
+    ["Offset of field: Leaf::domain"][::core::mem::offset_of!(Leaf, domain) - 96usize];
+    [
+        "Offset of field: Leaf::deviation",
+    ][::core::mem::offset_of!(Leaf, deviation) - 112usize];
+    [
+        "Offset of field: Leaf::depth_tolerance",
+    ][::core::mem::offset_of!(Leaf, depth_tolerance) - 120usize];
+    ["Offset of field: Leaf::color"][::core::mem::offset_of!(Leaf, color) - 124usize];
+    [
+        "Offset of field: Leaf::pen_sides",
+    ][::core::mem::offset_of!(Leaf, pen_sides) - 136usize];
+    [
+        "Offset of field: Leaf::pen_radius",
+    ][::core::mem::offset_of!(Leaf, pen_radius) - 152usize];
+    [
+        "Offset of field: Leaf::pen_fold",
+    ][::core::mem::offset_of!(Leaf, pen_fold) - 156usize];
+    ["Offset of field: Leaf::center"][::core::mem::offset_of!(Leaf, center) - 160usize];
+    ["Offset of field: Leaf::tree"][::core::mem::offset_of!(Leaf, tree) - 168usize];
+    [
+        "Offset of field: Leaf::rational",
+    ][::core::mem::offset_of!(Leaf, rational) - 172usize];
 };
 /// A block of up to 7 x 7 quads of one patch's grid. 16 bytes: one load (20 cost five).
 #[repr(C)]

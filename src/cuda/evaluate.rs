@@ -7,7 +7,7 @@ use crate::stages::cull::Leaves;
 use crate::stages::estimate::Tessellation;
 use crate::stages::evaluate::Meshlets;
 use crate::stages::lens::Lens;
-use crate::stages::{Interpolation, Options, basis::BasisTables};
+use crate::stages::{Fill, Interpolation, Options, Trim, basis::BasisTables};
 use foldhash::{HashMap, HashMapExt};
 use std::collections::BTreeMap;
 
@@ -19,6 +19,8 @@ pub const WARPS: u32 = 4;
 pub struct Staged {
     pub view: abi::View,
     pub patches: Vec<abi::Patch>,
+    /// The same patches, for the stages that draw them.
+    pub leaves: Vec<abi::Leaf>,
     /// In the order of their numbers.
     pub meshlets: Vec<abi::Meshlet>,
     pub nets: Vec<abi::Point>,
@@ -116,5 +118,16 @@ fn view(lens: &Lens, options: &Options) -> abi::View {
         size: lens.size,
         perspective: lens.perspective.into(),
         projective: (options.bound.interpolation() == Interpolation::Projective).into(),
+        tolerance: options.tolerance,
+        depth_tolerance: options.depth_tolerance,
+        fill: match options.fill {
+            Fill::Stroke => abi::FillRule::FILL_STROKE,
+            Fill::Eter => abi::FillRule::FILL_ETER,
+            Fill::Conservative => abi::FillRule::FILL_CONSERVATIVE,
+            Fill::Off => abi::FillRule::FILL_OFF,
+        },
+        refine: options.refine,
+        trim: (options.trim != Trim::Off).into(),
+        show: options.show as u32,
     }
 }

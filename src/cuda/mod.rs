@@ -6,6 +6,8 @@
 //! | `device.rs` | which devices there are, and what is missing where there is none |
 //! | `clocks.rs` | what evaluation costs by arithmetic and device; computed, made by tests/kernel_resources |
 //! | `evaluate.rs` | a frame's patches and meshlets as `kernels/abi.h` describes them |
+//! | `gpu.rs` | memory and launches: what a frame needs of a device |
+//! | `leaves.rs` | what the stages that draw a patch know of it |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
 //! | `precision.rs` | the arithmetics of evaluation, and a bound of each one's error |
 //! | `selection.rs` | which arithmetic a patch is evaluated in |
@@ -22,11 +24,14 @@ mod clocks;
 #[allow(unsafe_code)]
 mod device;
 pub mod evaluate;
+mod gpu;
+pub(crate) mod leaves;
 mod module;
 pub mod precision;
 pub mod selection;
 
 pub use device::{Device, Driver, devices, driver};
+pub use gpu::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape};
 pub use module::{Kernels, Toolkit, fatbin, targets, toolkit};
 
 use cudarc::driver::DriverError;

@@ -1,9 +1,9 @@
 //! What [`super::ffi`] is where no C++ compiler was found.
 
 use super::LaunchError;
-use super::device::Shape;
 use super::memory::Memory;
 use super::schedule::Schedule;
+use crate::cuda::Shape;
 
 pub(super) fn kernels() -> Vec<String> {
     Vec::new()

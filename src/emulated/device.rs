@@ -1,38 +1,8 @@
-use super::memory::{Buffer, Memory, Pod, bytes_of};
+use super::memory::Memory;
 use super::schedule::Schedule;
 use super::{LaunchError, ffi};
+use crate::cuda::{Argument, Buffer, Gpu, GpuError, Pod, Shape};
 use std::thread;
-
-/// Blocks and threads of a launch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shape {
-    pub grid: [u32; 3],
-    pub block: [u32; 3],
-    /// Of shared memory, besides what kernels declare.
-    pub dynamic_bytes: u32,
-}
-
-impl Shape {
-    /// A row of blocks, without dynamic shared memory.
-    pub fn row(blocks: u32, threads: u32) -> Self {
-        Self { grid: [blocks, 1, 1], block: [threads, 1, 1], dynamic_bytes: 0 }
-    }
-
-    pub fn with_dynamic(self, dynamic_bytes: u32) -> Self {
-        Self { dynamic_bytes, ..self }
-    }
-}
-
-/// What a kernel can be given: a number, a structure, the buffer's address for a buffer.
-pub trait Argument {
-    fn bytes(&self) -> &[u8];
-}
-
-impl<T: Pod> Argument for T {
-    fn bytes(&self) -> &[u8] {
-        bytes_of(self)
-    }
-}
 
 /// Memory and launches, as of a GPU. Devices share nothing: tests with one each can run side by side.
 pub struct Device {
@@ -92,5 +62,35 @@ impl Device {
     pub fn launch(&mut self, kernel: &str, shape: Shape, arguments: &[&dyn Argument]) -> Result<(), LaunchError> {
         let bytes: Vec<&[u8]> = arguments.iter().map(|a| a.bytes()).collect();
         ffi::launch(kernel, &shape, &self.schedule, self.threads, &bytes, &mut self.memory)
+    }
+}
+
+impl Gpu for Device {
+    fn allocate<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
+        Ok(Device::allocate(self, length))
+    }
+
+    fn zeroed<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
+        Ok(Device::zeroed(self, length))
+    }
+
+    fn upload<T: Pod>(&mut self, data: &[T]) -> Result<Buffer<T>, GpuError> {
+        Ok(Device::upload(self, data))
+    }
+
+    fn download<T: Pod>(&mut self, buffer: &Buffer<T>) -> Result<Vec<T>, GpuError> {
+        Ok(Device::download(self, buffer)?)
+    }
+
+    fn free<T: Pod>(&mut self, buffer: Buffer<T>) -> Result<(), GpuError> {
+        Ok(Device::free(self, &buffer)?)
+    }
+
+    fn launch(&mut self, kernel: &str, shape: Shape, arguments: &[&dyn Argument]) -> Result<(), GpuError> {
+        Ok(Device::launch(self, kernel, shape, arguments)?)
+    }
+
+    fn finish(&mut self) -> Result<(), GpuError> {
+        Ok(())
     }
 }

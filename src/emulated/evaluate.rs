@@ -1,8 +1,9 @@
 //! evaluate on the CPU by the GPU's kernels.
 
-use super::{Device, LaunchError, Pod, Shape};
+use super::{Device, LaunchError};
 use crate::cuda::abi;
 use crate::cuda::evaluate::{Staged, WARPS};
+use crate::cuda::{Pod, Shape};
 
 macro_rules! pods {
     ($($structure:ident)*) => { $(
@@ -11,7 +12,7 @@ macro_rules! pods {
         unsafe impl Pod for abi::$structure {}
     )* };
 }
-pods!(View Patch Meshlet Point Vertex);
+pods!(View Patch Leaf Meshlet Point Vertex);
 
 impl Device {
     /// The vertices of all meshlets.

@@ -1,10 +1,10 @@
 //! kernels/host/api.h.
 #![allow(unsafe_code)]
 
-use super::device::Shape;
 use super::memory::{Memory, Range};
 use super::schedule::Schedule;
 use super::{Fault, FaultKind, LaunchError};
+use crate::cuda::Shape;
 use std::ffi::{CStr, CString, c_char, c_void};
 
 #[repr(C)]

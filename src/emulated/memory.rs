@@ -2,61 +2,7 @@
 #![allow(unsafe_code)]
 
 use super::LaunchError;
-use std::marker::PhantomData;
-
-/// Plain data that kernels read and write.
-///
-/// # Safety
-/// Any bytes must be a valid value, there must be no padding, and the layout must be that of the kernels' type.
-pub unsafe trait Pod: Copy + Send + Sync + 'static {}
-
-macro_rules! pods {
-    ($($number:ty)*) => { $(
-        // SAFETY: numbers of C's size have no invalid bytes and no padding.
-        unsafe impl Pod for $number {}
-    )* };
-}
-pods!(u8 i8 u16 i16 u32 i32 u64 i64 f32 f64);
-// SAFETY: an array is its elements, without padding between them.
-unsafe impl<T: Pod, const N: usize> Pod for [T; N] {}
-// SAFETY: it is a u64; kernels check what it points at.
-unsafe impl<T: Pod> Pod for Pointer<T> {}
-
-/// A kernel's `Buffer<T>`: an address that names its allocation, or null.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(transparent)]
-pub struct Pointer<T> {
-    bits: u64,
-    element: PhantomData<fn() -> T>,
-}
-
-impl<T> Pointer<T> {
-    pub const NULL: Self = Self { bits: 0, element: PhantomData };
-}
-
-/// An allocation of a [`super::Device`], freed with the device or by [`super::Device::free`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Buffer<T> {
-    pointer: Pointer<T>,
-    number: usize,
-    length: usize,
-}
-
-impl<T> Buffer<T> {
-    /// Number of elements.
-    pub fn len(&self) -> usize {
-        self.length
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.length == 0
-    }
-
-    /// What a kernel gets.
-    pub fn pointer(&self) -> Pointer<T> {
-        Pointer { ..self.pointer }
-    }
-}
+use crate::cuda::{Buffer, Pod, Pointer};
 
 /// As coarse as CUDA aligns its allocations.
 #[derive(Clone, Copy)]
@@ -100,7 +46,7 @@ impl Memory {
         assert!(address >> ADDRESS_BITS == 0, "an address of more than {ADDRESS_BITS} bits");
         self.allocations.push(Some(Allocation { lines, bytes }));
         let bits = (number as u64) << ADDRESS_BITS | address;
-        Buffer { pointer: Pointer { bits, element: PhantomData }, number, length }
+        Buffer { pointer: Pointer::new(bits), number, length }
     }
 
     pub(super) fn free<T>(&mut self, buffer: &Buffer<T>) -> Result<(), LaunchError> {
@@ -146,10 +92,4 @@ impl Memory {
         };
         self.allocations.iter_mut().map(range).collect()
     }
-}
-
-/// The bytes of a value, as a kernel's argument.
-pub(super) fn bytes_of<T: Pod>(value: &T) -> &[u8] {
-    // SAFETY: a Pod has no padding, so all its bytes are initialised; they live as long as the value.
-    unsafe { std::slice::from_raw_parts(std::ptr::from_ref(value).cast::<u8>(), size_of::<T>()) }
 }

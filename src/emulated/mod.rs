@@ -29,9 +29,9 @@ mod schedule;
 #[cfg(not(host_kernels))]
 use absent as ffi;
 
-pub use device::{Argument, Device, Shape};
+pub use crate::cuda::{Argument, Buffer, Pod, Pointer, Shape};
+pub use device::Device;
 pub use error::{Fault, FaultKind, LaunchError};
-pub use memory::{Buffer, Pod, Pointer};
 pub use schedule::{BlockOrder, LaneOrder, Schedule, TensorCores, WarpOrder};
 
 /// Why this build can't run kernels on the CPU, if it can't.

@@ -16,7 +16,7 @@ use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
 use super::trim::{textures, trim};
 use super::trim_cut::gaps;
 use super::{Bound, Options, Trim};
-use crate::cuda::{abi, evaluate::Staged};
+use crate::cuda::{self, abi, evaluate::Staged};
 use crate::scene::{Camera, PatchTrim, Scene};
 use glam::Vec4;
 use rayon::prelude::*;
@@ -173,9 +173,26 @@ impl<'a> Renderer<'a> {
         let lens = Lens::new(camera);
         let Geometry { leaves, grids } = self.estimate(&lens, options, self.cull(&lens, options)?)?;
         let meshlets = self.evaluate(&lens, options, &leaves, &grids)?;
-        let staged = Staged::new(&lens, options, &self.tables, &leaves, &grids, &meshlets);
+        let staged = self.staged_of(&lens, options, &leaves, &grids, &meshlets);
         let vertex = |v: &Vertex| abi::Vertex { x: v.x, y: v.y, depth: v.depth, weight: v.weight };
         Ok((staged, meshlets.vertices.iter().map(vertex).collect()))
+    }
+
+    fn staged_of(
+        &self,
+        lens: &Lens,
+        options: &Options,
+        leaves: &Leaves,
+        grids: &[Tessellation],
+        meshlets: &Meshlets,
+    ) -> Staged {
+        let mut staged = Staged::new(lens, options, &self.tables, leaves, grids, meshlets);
+        let described = |(leaf, grid)| {
+            let pen = self.pen(lens, options, leaf, grid, &leaves.nets);
+            cuda::leaves::leaf(self.scene, lens, options, leaf, grid, &pen)
+        };
+        staged.leaves = leaves.leaves.par_iter().zip(grids).map(described).collect();
+        staged
     }
 
     /// Takes a frame's buffers back for the next one.

@@ -90,6 +90,22 @@ pub(super) fn shade(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fil
     }
 }
 
+/// Parameters of a leaf that lie in its patch. Outside its unit square a net's rounding grows like (1 + 2 a)^(m + n) with the
+/// distance a: no farther out than where it could be seen.
+pub(crate) fn domain(leaf: &Leaf) -> [[f32; 2]; 2] {
+    let power = 1.0 / (leaf.degree[0] + leaf.degree[1]) as f64;
+    let out = ((EXTRAPOLATED / leaf.rounding).powf(power) - 1.0).max(0.0) * 0.5;
+    [0, 1].map(|k| {
+        let end = |value: f64| ((value - leaf.corner[k]) / leaf.extent[k]).clamp(-out, 1.0 + out) as f32;
+        [end(0.0), end(1.0)]
+    })
+}
+
+/// What refinement may change a leaf's depth beyond the surface's own slope, model units.
+pub(crate) fn depth_tolerance(lens: &Lens, options: &Options, leaf: &Leaf) -> f32 {
+    (options.depth_tolerance * lens.pixel_size(leaf.low.z)) as f32
+}
+
 /// One shaded pixel.
 pub(super) struct Surfel {
     parameters: [f32; 2],
@@ -164,14 +180,6 @@ impl Shader<'_> {
 
     pub(super) fn surface(&self, leaf: u32) -> Surface<'_> {
         let leaf = &self.leaves[leaf as usize];
-        // Outside its unit square a net's rounding grows like (1 + 2 a)^(m + n) with the distance a: no farther out than
-        // where it could be seen.
-        let power = 1.0 / (leaf.degree[0] + leaf.degree[1]) as f64;
-        let out = ((EXTRAPOLATED / leaf.rounding).powf(power) - 1.0).max(0.0) * 0.5;
-        let domain = [0, 1].map(|k| {
-            let end = |value: f64| ((value - leaf.corner[k]) / leaf.extent[k]).clamp(-out, 1.0 + out) as f32;
-            [end(0.0), end(1.0)]
-        });
         Surface {
             net: &self.nets[leaf.net as usize..leaf.net as usize + leaf.points()],
             degree: leaf.degree,
@@ -179,9 +187,9 @@ impl Shader<'_> {
             perspective: self.lens.perspective,
             depth_origin: leaf.depth_origin as f32,
             rounding: leaf.rounding as f32,
-            domain,
+            domain: domain(leaf),
             any_sheet: false,
-            depth_tolerance: (self.options.depth_tolerance * self.lens.pixel_size(leaf.low.z)) as f32,
+            depth_tolerance: depth_tolerance(self.lens, self.options, leaf),
         }
     }
 

@@ -21,7 +21,7 @@ const STEEPEST: f64 = 8.0;
 
 /// The square pens that draw a leaf's outer edges: L-infinity radii in sub-pixels.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pen {
+pub(crate) struct Pen {
     /// For the edges of sides u = 0, u = 1, v = 0, v = 1 behind which the surface does not fold.
     pub sides: [i64; 4],
     /// For the others.

@@ -81,7 +81,7 @@ impl<'a> Cut<'a> {
 }
 
 /// Pixels that a unit of length covers at most, anywhere on a leaf.
-pub(super) fn pixels_per_unit(scene: &Scene, lens: &Lens, leaf: &Leaf) -> f64 {
+pub(crate) fn pixels_per_unit(scene: &Scene, lens: &Lens, leaf: &Leaf) -> f64 {
     let map = lens.patch_map(&scene.instances[leaf.instance as usize], scene.patches[leaf.patch as usize].origin);
     let [x, y, z] = map.axes.map(|axis| axis.length());
     let across = x.max(y) * lens.scale;
@@ -93,7 +93,7 @@ pub(super) fn pixels_per_unit(scene: &Scene, lens: &Lens, leaf: &Leaf) -> f64 {
 }
 
 /// The model's gaps about a leaf in pixels, as far as they are closed: along its patch's borders, and of all its curves.
-pub(super) fn gaps(scene: &Scene, lens: &Lens, leaf: &Leaf) -> [f64; 2] {
+pub(crate) fn gaps(scene: &Scene, lens: &Lens, leaf: &Leaf) -> [f64; 2] {
     let patch = &scene.patches[leaf.patch as usize];
     let border = patch.trim.gap;
     let all = scene.trim_tree(patch).map_or(0.0, |tree| tree.gap()).max(border);

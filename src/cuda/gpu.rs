@@ -1,0 +1,140 @@
+//! What a frame needs of a device: memory and launches. A GPU has them, and so has the CPU in its place (`emulated`).
+#![allow(unsafe_code)]
+
+use super::CudaError;
+use crate::emulated::LaunchError;
+use std::marker::PhantomData;
+use thiserror::Error;
+
+/// Plain data that kernels read and write.
+///
+/// # Safety
+/// Any bytes must be a valid value, there must be no padding, and the layout must be that of the kernels' type.
+pub unsafe trait Pod: Copy + Send + Sync + 'static {}
+
+macro_rules! pods {
+    ($($number:ty)*) => { $(
+        // SAFETY: numbers of C's size have no invalid bytes and no padding.
+        unsafe impl Pod for $number {}
+    )* };
+}
+pods!(u8 i8 u16 i16 u32 i32 u64 i64 f32 f64);
+// SAFETY: an array is its elements, without padding between them.
+unsafe impl<T: Pod, const N: usize> Pod for [T; N] {}
+// SAFETY: it is a u64; kernels check what it points at where anything can.
+unsafe impl<T: Pod> Pod for Pointer<T> {}
+
+/// A kernel's `Buffer<T>`: an address, or null. On the CPU it names its allocation too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub struct Pointer<T> {
+    pub(crate) bits: u64,
+    pub(crate) element: PhantomData<fn() -> T>,
+}
+
+impl<T> Pointer<T> {
+    pub const NULL: Self = Self { bits: 0, element: PhantomData };
+
+    pub(crate) fn new(bits: u64) -> Self {
+        Self { bits, element: PhantomData }
+    }
+}
+
+/// An allocation of a device, freed with the device or by [`Gpu::free`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Buffer<T> {
+    pub(crate) pointer: Pointer<T>,
+    pub(crate) number: usize,
+    pub(crate) length: usize,
+}
+
+impl<T> Buffer<T> {
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        self.length
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.length == 0
+    }
+
+    /// What a kernel gets.
+    pub fn pointer(&self) -> Pointer<T> {
+        Pointer { ..self.pointer }
+    }
+}
+
+/// Blocks and threads of a launch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shape {
+    pub grid: [u32; 3],
+    pub block: [u32; 3],
+    /// Of shared memory, besides what kernels declare.
+    pub dynamic_bytes: u32,
+}
+
+impl Shape {
+    /// A row of blocks, without dynamic shared memory.
+    pub fn row(blocks: u32, threads: u32) -> Self {
+        Self { grid: [blocks, 1, 1], block: [threads, 1, 1], dynamic_bytes: 0 }
+    }
+
+    /// As many blocks of `threads` as it takes for `count` threads.
+    pub fn of(count: usize, threads: u32) -> Self {
+        Self::row((count as u64).div_ceil(u64::from(threads)) as u32, threads)
+    }
+
+    pub fn with_dynamic(self, dynamic_bytes: u32) -> Self {
+        Self { dynamic_bytes, ..self }
+    }
+}
+
+/// What a kernel can be given: a number, a structure, the buffer's address for a buffer.
+pub trait Argument {
+    fn bytes(&self) -> &[u8];
+}
+
+impl<T: Pod> Argument for T {
+    fn bytes(&self) -> &[u8] {
+        bytes_of(std::slice::from_ref(self))
+    }
+}
+
+/// The bytes of some values.
+pub(crate) fn bytes_of<T: Pod>(values: &[T]) -> &[u8] {
+    // SAFETY: a Pod has no padding, so all its bytes are initialised; they live as long as the values.
+    unsafe { std::slice::from_raw_parts(values.as_ptr().cast::<u8>(), size_of_val(values)) }
+}
+
+/// Why a device did not do what it was asked.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum GpuError {
+    #[error(transparent)]
+    Emulated(#[from] LaunchError),
+    #[error(transparent)]
+    Cuda(#[from] CudaError),
+}
+
+/// Memory and launches of one device. Launches follow each other; reading waits for them.
+pub trait Gpu {
+    /// Room for `length` elements, which hold anything.
+    fn allocate<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError>;
+
+    /// The same with every byte 0.
+    fn zeroed<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError>;
+
+    /// A new buffer with this data.
+    fn upload<T: Pod>(&mut self, data: &[T]) -> Result<Buffer<T>, GpuError>;
+
+    /// All elements.
+    fn download<T: Pod>(&mut self, buffer: &Buffer<T>) -> Result<Vec<T>, GpuError>;
+
+    /// Gives memory back; what runs still uses it to its end.
+    fn free<T: Pod>(&mut self, buffer: Buffer<T>) -> Result<(), GpuError>;
+
+    /// Runs a kernel. Arguments must be the kernel's parameters, in order; a buffer is passed as its [`Buffer::pointer`].
+    fn launch(&mut self, kernel: &str, shape: Shape, arguments: &[&dyn Argument]) -> Result<(), GpuError>;
+
+    /// What was launched has ended.
+    fn finish(&mut self) -> Result<(), GpuError>;
+}
