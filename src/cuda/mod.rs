@@ -3,14 +3,15 @@
 //! | file | what it does |
 //! |---|---|
 //! | `abi.rs` | the structs of `kernels/abi.h`, made by bindgen |
-//! | `device.rs` | which devices there are, and what is missing where there is none |
 //! | `clocks.rs` | what evaluation costs by arithmetic and device; computed, made by tests/kernel_resources |
+//! | `device.rs` | which devices there are, and what is missing where there is none |
 //! | `evaluate.rs` | a frame's patches and meshlets as `kernels/abi.h` describes them |
 //! | `gpu.rs` | memory and launches: what a frame needs of a device |
 //! | `leaves.rs` | what the stages that draw a patch know of it |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
 //! | `precision.rs` | the arithmetics of evaluation, and a bound of each one's error |
 //! | `selection.rs` | which arithmetic a patch is evaluated in |
+//! | `surfaces.rs` | patches for the kernels that evaluate points with normals |
 //!
 //! libcuda is opened when it is first asked for: the program starts where there is no driver.
 
@@ -29,6 +30,7 @@ pub(crate) mod leaves;
 mod module;
 pub mod precision;
 pub mod selection;
+pub mod surfaces;
 
 pub use device::{Device, Driver, devices, driver};
 pub use gpu::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape};

@@ -38,7 +38,7 @@ fn kernels_are_there_for_every_target_and_spill_nothing() {
     assert_eq!(dump.threads().into_keys().collect::<Vec<_>>(), ptx, "PTX has the same kernels, with launch bounds");
 }
 
-/// mma.sync m16n8k8 of each kernel on tensor cores: as many as evaluate_mma.cu says.
+/// mma.sync m16n8k8 of each kernel on tensor cores: as many as evaluate_mma.cu and evaluate_normals_mma.cu say.
 #[test]
 fn products_run_on_tensor_cores() {
     let Some(dump) = Dump::new("products") else { return };
@@ -48,6 +48,11 @@ fn products_run_on_tensor_cores() {
         ("evaluate_f16_recovered", "HMMA.1688.F32", 14),
         ("evaluate_tf32", "HMMA.1688.F32.TF32", 6),
         ("evaluate_tf32_recovered", "HMMA.1688.F32.TF32", 14),
+        ("evaluate_normals_f16", "HMMA.1688.F32", 10),
+        ("evaluate_normals_f16_recovered", "HMMA.1688.F32", 30),
+        ("evaluate_tangents_f16_recovered", "HMMA.1688.F32", 30),
+        ("evaluate_normals_tf32", "HMMA.1688.F32.TF32", 10),
+        ("evaluate_normals_tf32_recovered", "HMMA.1688.F32.TF32", 30),
     ] {
         let expected = BTreeMap::from([(instruction.to_owned(), count)]);
         for target in cuda::targets() {

@@ -1,6 +1,7 @@
 //! Evaluation on tensor cores against f64 and against the f32 kernel.
 
 use crate::evaluate_bounds::tightness;
+use crate::evaluate_normals;
 use crate::evaluate_scene::{Errors, Kind, Scene};
 use crate::fresh::{agrees, root};
 use crate::support::under_all_schedules;
@@ -77,7 +78,7 @@ fn errors_are_those_of_the_precision() {
             rows.push_str(&worst.row(&kernel, products, &format!("{cores:?}")));
         }
     }
-    agrees(TABLE, &table(&rows, &bounds()));
+    agrees(TABLE, &table(&rows, &bounds(), &evaluate_normals::rows()));
 }
 
 /// How near errors come to their bounds.
@@ -98,7 +99,7 @@ fn registers(kernel: &str) -> String {
     cells.collect::<Vec<_>>().join(" / ")
 }
 
-fn table(rows: &str, bounds: &str) -> String {
+fn table(rows: &str, bounds: &str, normals: &str) -> String {
     format!(
         "# What precisions of evaluation cost\n\nMade by `HALFPIXEL_UPDATE=1 cargo test --test kernels evaluate_mma` on the \
          emulator, with both models of tensor cores; nothing here was timed. Largest errors over 8 scenes of 6272 vertices: \
@@ -110,7 +111,10 @@ fn table(rows: &str, bounds: &str) -> String {
          ## Errors over their a-priori bounds\n\nThe bounds of src/cuda/precision.rs, on 900 nets made to come near them: 1, \
          100 and 10,000 px wide, weights up to 1e-3 to 1e3, depth ratios up to 3, in perspective and orthographic views. \
          Largest part of the bound that an error reached (median of all patches); above 1 the test fails.\n\n\
-         | kernel | place | depth | 1 / denominator |\n|---|---|---|---|\n{bounds}"
+         | kernel | place | depth | 1 / denominator |\n|---|---|---|---|\n{bounds}\n\
+         ## Points, tangents and normals\n\nLargest errors over patches of all degrees 1 to 7 in u and v with weights from \
+         0.5 to 2: of points over the patch's size, of tangents over their length, of normals in radians.\n\n\
+         | kernel | point | tangent | normal |\n|---|---|---|---|\n{normals}"
     )
 }
 

@@ -270,7 +270,7 @@ impl Scene {
     }
 }
 
-fn sum(net: &[[f64; 4]], u: &[f64], v: &[f64]) -> [f64; 4] {
+pub fn sum(net: &[[f64; 4]], u: &[f64], v: &[f64]) -> [f64; 4] {
     let mut sum = [0.0; 4];
     for (i, bu) in u.iter().enumerate() {
         for (j, bv) in v.iter().enumerate() {
@@ -282,7 +282,7 @@ fn sum(net: &[[f64; 4]], u: &[f64], v: &[f64]) -> [f64; 4] {
 }
 
 /// All Bernstein polynomials of a degree at t.
-fn bernstein(degree: usize, t: f64) -> Vec<f64> {
+pub fn bernstein(degree: usize, t: f64) -> Vec<f64> {
     let mut binomial = 1.0;
     let mut values = Vec::new();
     for i in 0..=degree {

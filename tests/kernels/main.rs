@@ -20,6 +20,8 @@ mod evaluate_bounds;
 #[cfg(host_kernels)]
 mod evaluate_mma;
 #[cfg(host_kernels)]
+mod evaluate_normals;
+#[cfg(host_kernels)]
 mod evaluate_scene;
 #[cfg(host_kernels)]
 mod faults;
