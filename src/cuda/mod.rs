@@ -3,6 +3,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | `abi.rs` | the structs of `kernels/abi.h`, made by bindgen |
+//! | `clocks.rs` | what evaluation costs by arithmetic and device; computed, made by tests/kernel_resources |
 //! | `device.rs` | which devices there are, and what is missing where there is none |
 //! | `evaluate.rs` | a frame's patches and meshlets as `kernels/abi.h` describes them |
 //! | `frame.rs` | the staged frame: which kernels run, one stage after the other |
@@ -12,6 +13,9 @@
 //! | `session.rs` | a frame's buffers and launches |
 //! | `stream.rs` | a GPU as a frame uses it |
 //! | `trims.rs` | trim trees in a device's memory |
+//! | `precision.rs` | the arithmetics of evaluation, and a bound of each one's error |
+//! | `selection.rs` | which arithmetic a patch is evaluated in |
+//! | `surfaces.rs` | patches for the kernels that evaluate points with normals |
 //!
 //! libcuda is opened when it is first asked for: the program starts where there is no driver.
 
@@ -19,6 +23,8 @@
 #[allow(missing_docs, non_snake_case)]
 #[rustfmt::skip]
 pub mod abi;
+#[rustfmt::skip]
+mod clocks;
 // Calls of the driver are the library's only unsafe code.
 #[allow(unsafe_code)]
 mod device;
@@ -29,8 +35,11 @@ pub(crate) mod leaves;
 mod module;
 mod session;
 // Launches and copies are calls of the driver.
+pub mod precision;
+pub mod selection;
 #[allow(unsafe_code)]
 mod stream;
+pub mod surfaces;
 pub mod trims;
 
 pub use device::{Device, Driver, devices, driver};
