@@ -2,7 +2,7 @@
 // src/scene/trim_tree.rs and trim_segment.rs, where everything is explained; the same operations in the same order.
 #pragma once
 #include "abi.h"
-#include "compat.cuh"
+#include "vector.cuh"
 
 namespace trims {
 
@@ -32,9 +32,6 @@ static __device__ __forceinline__ Box box_around(PlanePoint a, PlanePoint b) {
     return {{min(a.u, b.u), min(a.v, b.v)}, {max(a.u, b.u), max(a.v, b.v)}};
 }
 
-static __device__ __forceinline__ double clamped(double x, double low, double high) {
-    return x < low ? low : x > high ? high : x;
-}
 
 // A segment at work: its ends, from the lower to the upper one, and its homogeneous points.
 struct Curve {
@@ -140,7 +137,7 @@ template <class Holds> static __device__ __forceinline__ bool passes(const Curve
 }
 
 // The segment has a point in the closed box: the corners across its direction lie on different sides.
-static __device__ bool meets(const Curve &c, const Box &within) {
+static __device__ inline bool meets(const Curve &c, const Box &within) {
     if (!c.bounds().touches(within)) {
         return false;
     }
@@ -151,7 +148,7 @@ static __device__ bool meets(const Curve &c, const Box &within) {
 }
 
 // The point lies inside the loops of a tree.
-static __device__ bool contains(const Trims &t, uint32_t tree, PlanePoint p) {
+static __device__ inline bool contains(const Trims &t, uint32_t tree, PlanePoint p) {
     const TrimTree &root = t.trees[tree];
     // Also refuses what is not a number.
     if (!(root.low[0] <= p.u && p.u < root.high[0] && root.low[1] <= p.v && p.v < root.high[1])) {
@@ -208,7 +205,7 @@ template <class Visit> static __device__ bool visit(const Trims &t, uint32_t tre
 }
 
 // Where a closed box lies: a `Region`.
-static __device__ uint32_t classify(const Trims &t, uint32_t tree, const Box &within) {
+static __device__ inline uint32_t classify(const Trims &t, uint32_t tree, const Box &within) {
     if (visit(t, tree, within, [&](uint32_t segment) { return meets(Curve(t, segment), within); })) {
         return REGION_BOUNDARY;
     }
