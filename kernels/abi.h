@@ -165,6 +165,49 @@ struct alignas(16) Vertex {
     float weight;
 };
 
+/// A pixel that is not settled yet: the exact surface is asked what it shows.
+struct alignas(16) Filled {
+    /// What it shows if nothing better is found: a visibility word.
+    uint64_t near;
+    /// The nearest surface that was found, or 0.
+    uint64_t best;
+    uint32_t pixel;
+    /// Stored depth: only what is nearer counts.
+    float behind;
+    /// Patch parameters that are known: of `near` before the search (it need not be found again), of `best` after it.
+    float start[2];
+    uint32_t has_start;
+    /// First and number of its candidates.
+    uint32_t first;
+    uint32_t candidates;
+    /// Number of the start that found `best`.
+    uint32_t winner;
+};
+
+/// Where the search for a pixel's surface begins.
+struct Start {
+    /// Patch parameters, before and after.
+    float parameters[2];
+    /// Its triangle: the lower half of a visibility word.
+    uint32_t triangle;
+    /// NO_PATCH: there is none.
+    uint32_t patch;
+    /// Number of its pixel in the list.
+    uint32_t slot;
+    /// Stored depth that it found; 0: nothing.
+    float depth;
+};
+static const uint32_t NO_PATCH = 0xffffffff;
+
+/// How well the point that a pixel shows is known: `DoubtKind` in src/stages/settle.rs.
+static const uint32_t DOUBT_NONE = 0;
+/// Under the pixel's centre, but elsewhere in depth.
+static const uint32_t DOUBT_DEEP = 1;
+/// Not under the centre, or of the inside of a solid.
+static const uint32_t DOUBT_BESIDE = 2;
+/// Not under the centre, since the patch ends before.
+static const uint32_t DOUBT_ENDED = 3;
+
 /// Where a box of parameters lies: `Region` in src/scene/trim_tree.rs.
 enum Region : uint32_t {
     REGION_INSIDE = 0,

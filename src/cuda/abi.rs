@@ -316,6 +316,87 @@ const _: () = {
         "Offset of field: Vertex::weight",
     ][::core::mem::offset_of!(Vertex, weight) - 12usize];
 };
+/// A pixel that is not settled yet: the exact surface is asked what it shows.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Filled {
+    /// What it shows if nothing better is found: a visibility word.
+    pub near: u64,
+    /// The nearest surface that was found, or 0.
+    pub best: u64,
+    pub pixel: u32,
+    /// Stored depth: only what is nearer counts.
+    pub behind: f32,
+    /// Patch parameters that are known: of `near` before the search (it need not be found again), of `best` after it.
+    pub start: [f32; 2usize],
+    pub has_start: u32,
+    /// First and number of its candidates.
+    pub first: u32,
+    pub candidates: u32,
+    /// Number of the start that found `best`.
+    pub winner: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Filled"][::core::mem::size_of::<Filled>() - 48usize];
+    ["Alignment of Filled"][::core::mem::align_of::<Filled>() - 16usize];
+    ["Offset of field: Filled::near"][::core::mem::offset_of!(Filled, near) - 0usize];
+    ["Offset of field: Filled::best"][::core::mem::offset_of!(Filled, best) - 8usize];
+    ["Offset of field: Filled::pixel"][::core::mem::offset_of!(Filled, pixel) - 16usize];
+    [
+        "Offset of field: Filled::behind",
+    ][::core::mem::offset_of!(Filled, behind) - 20usize];
+    ["Offset of field: Filled::start"][::core::mem::offset_of!(Filled, start) - 24usize];
+    [
+        "Offset of field: Filled::has_start",
+    ][::core::mem::offset_of!(Filled, has_start) - 32usize];
+    ["Offset of field: Filled::first"][::core::mem::offset_of!(Filled, first) - 36usize];
+    [
+        "Offset of field: Filled::candidates",
+    ][::core::mem::offset_of!(Filled, candidates) - 40usize];
+    [
+        "Offset of field: Filled::winner",
+    ][::core::mem::offset_of!(Filled, winner) - 44usize];
+};
+/// Where the search for a pixel's surface begins.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Start {
+    /// Patch parameters, before and after.
+    pub parameters: [f32; 2usize],
+    /// Its triangle: the lower half of a visibility word.
+    pub triangle: u32,
+    /// NO_PATCH: there is none.
+    pub patch: u32,
+    /// Number of its pixel in the list.
+    pub slot: u32,
+    /// Stored depth that it found; 0: nothing.
+    pub depth: f32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Start"][::core::mem::size_of::<Start>() - 24usize];
+    ["Alignment of Start"][::core::mem::align_of::<Start>() - 4usize];
+    [
+        "Offset of field: Start::parameters",
+    ][::core::mem::offset_of!(Start, parameters) - 0usize];
+    [
+        "Offset of field: Start::triangle",
+    ][::core::mem::offset_of!(Start, triangle) - 8usize];
+    ["Offset of field: Start::patch"][::core::mem::offset_of!(Start, patch) - 12usize];
+    ["Offset of field: Start::slot"][::core::mem::offset_of!(Start, slot) - 16usize];
+    ["Offset of field: Start::depth"][::core::mem::offset_of!(Start, depth) - 20usize];
+};
+pub const NO_PATCH: u32 = 4294967295;
+/// How well the point that a pixel shows is known: `DoubtKind` in src/stages/settle.rs.
+pub const DOUBT_NONE: u32 = 0;
+/// Under the pixel's centre, but elsewhere in depth.
+pub const DOUBT_DEEP: u32 = 1;
+/// Not under the centre, or of the inside of a solid.
+pub const DOUBT_BESIDE: u32 = 2;
+/// Not under the centre, since the patch ends before.
+pub const DOUBT_ENDED: u32 = 3;
 pub mod Region {
     #[allow(unused_imports)]
     use super::*;

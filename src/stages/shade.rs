@@ -106,6 +106,15 @@ pub(crate) fn depth_tolerance(lens: &Lens, options: &Options, leaf: &Leaf) -> f3
     (options.depth_tolerance * lens.pixel_size(leaf.low.z)) as f32
 }
 
+/// Colours every pixel of a finished frame anew, where its parameters are.
+pub(super) fn repaint(shader: &Shader, targets: &mut Targets) {
+    let Targets { near, parameters, color, .. } = targets;
+    color.par_iter_mut().enumerate().filter(|&(pixel, _)| near[pixel] != 0).for_each(|(pixel, color)| {
+        let start = Some(parameters[pixel]);
+        *color = shader.surfel(near[pixel], &Filled { pixel: pixel as u32, near: 0, start }).color;
+    });
+}
+
 /// One shaded pixel.
 pub(super) struct Surfel {
     parameters: [f32; 2],
