@@ -294,8 +294,8 @@ enum CullRule : uint32_t {
     CULL_ON = 2,
 };
 
-/// What cull and estimate are told of a frame, besides its `View`.
-struct Geometry {
+/// What cull and estimate go by in a frame, besides its `View`.
+struct Rules {
     /// A `BoundRule`, a `GridRule`, a `CullRule`.
     uint32_t bound;
     uint32_t grid;
@@ -362,6 +362,9 @@ struct FaceColor {
     uint32_t face;
     float color[3];
 };
+
+/// One more than the most quads along a side of a leaf: 7 x 7 blocks round 2^12 up.
+static const uint32_t BASIS_SIDES = 4103;
 
 /// What becomes of a patch in an instance: `state` of an item.
 static const uint32_t ITEM_CULLED = 0;
@@ -434,5 +437,18 @@ struct PartPlace {
     uint32_t number;
     /// First of its control points in the list of parts.
     uint32_t net;
+    uint32_t unused;
+};
+
+/// What becomes of a block of a leaf's grid: its leaf has no trims; it is looked at; all of it lies outside the trims.
+static const uint32_t BLOCK_FREE = 0;
+static const uint32_t BLOCK_CUT = 1;
+static const uint32_t BLOCK_OUTSIDE = 2;
+
+/// What the meshlet list counts.
+struct alignas(8) MeshletCounts {
+    uint64_t quads;
+    /// Meshlets of trimmed leaves that no curve crosses.
+    uint32_t inside;
     uint32_t unused;
 };

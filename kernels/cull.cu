@@ -4,7 +4,7 @@
 
 // A thread a patch of an instance; `states` says what becomes of it, `seen` is 1 where it is not culled.
 extern "C" __global__ void __launch_bounds__(128)
-    cull_patches(const __grid_constant__ View view, const __grid_constant__ Geometry geometry,
+    cull_patches(const __grid_constant__ View view, const __grid_constant__ Rules rules,
                  const __grid_constant__ scene::Scene scene, uint32_t instances, uint32_t items, Buffer<uint8_t> states,
                  Buffer<uint32_t> seen) {
     const uint32_t item = blockIdx.x * blockDim.x + threadIdx.x;
@@ -18,7 +18,7 @@ extern "C" __global__ void __launch_bounds__(128)
     cull::Place place;
     cull::Verdict verdict = cull::judge(Team<1>::here(), view, net, map, 0, place);
     if (verdict != cull::CULLED) {
-        const int side = scene::visible_side(geometry, patch);
+        const int side = scene::visible_side(rules, patch);
         const double corner[2] = {0.0, 0.0}, extent[2] = {1.0, 1.0};
         if (cone::is_back_patch(view, patch, side, net, map) || cull::trimmed_away(view, scene, patch, corner, extent)) {
             verdict = cull::CULLED;

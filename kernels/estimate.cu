@@ -24,7 +24,7 @@ struct Subject {
 
 // A thread a visible patch: its grid, or its number in `work`, if it is not to be drawn as a whole.
 extern "C" __global__ void __launch_bounds__(estimate::THREADS)
-    estimate_patches(const __grid_constant__ View view, const __grid_constant__ Geometry geometry,
+    estimate_patches(const __grid_constant__ View view, const __grid_constant__ Rules rules,
                      const __grid_constant__ scene::Scene scene, uint32_t instances, uint32_t count, Buffer<Visible> visible,
                      Buffer<uint32_t> leaf_counts, Buffer<uint32_t> point_counts, Buffer<uint32_t> work,
                      Buffer<Counters> counters) {
@@ -42,11 +42,11 @@ extern "C" __global__ void __launch_bounds__(estimate::THREADS)
         cull::judge(team, view, s.net, s.map, 0, place);
         estimate::Grid grid;
         const estimate::Outcome outcome =
-            estimate::grid_of(team, view, geometry, s.map, s.net, bounds::enclosure_of(s.source), place, 0,
+            estimate::grid_of(team, view, rules, s.map, s.net, bounds::enclosure_of(s.source), place, 0,
                               numbers + threadIdx.x, estimate::THREADS, grid);
         const uint32_t points = uint32_t(s.net.count());
         whole = outcome == estimate::GRID
-                && (geometry.grid != GRID_ADAPTIVE
+                && (rules.grid != GRID_ADAPTIVE
                     || grid.all_quads() < estimate::worth_halving(points, s.source.rational != 0));
         if (whole) {
             visible[k] = {here.item,
@@ -67,7 +67,7 @@ KERNEL(estimate_patches)
 
 // A thread a visible patch that is drawn as a whole: its leaf, in its place among all.
 extern "C" __global__ void __launch_bounds__(128)
-    estimate_leaves(const __grid_constant__ View view, const __grid_constant__ Geometry geometry,
+    estimate_leaves(const __grid_constant__ View view, const __grid_constant__ Rules rules,
                     const __grid_constant__ scene::Scene scene, uint32_t instances, uint32_t count,
                     Buffer<const Visible> visible, Buffer<const uint32_t> first_leaves, Buffer<const uint32_t> first_points,
                     Buffer<Patch> patches, Buffer<Leaf> leaves, Buffer<Point> nets) {
@@ -81,7 +81,7 @@ extern "C" __global__ void __launch_bounds__(128)
     cull::Place place;
     cull::judge(team, view, s.net, s.map, 0, place);
     const estimate::Grid grid = {{here.quads[0], here.quads[1]}, here.diagonal, {here.deviation[0], here.deviation[1]}};
-    const leaf::Drawn drawn = {view,  geometry, scene,    s.instance,      s.source,   s.map,
+    const leaf::Drawn drawn = {view,  rules, scene,    s.instance,      s.source,   s.map,
                                place, grid,     s.number, s.source_number, {0.0, 0.0}, {1.0, 1.0}};
     const Buffer<Point> net = nets + first_points[k];
     leaf::write_net(team, drawn, s.net, net);

@@ -166,7 +166,7 @@ static __device__ Outcome too_large(const bounds::Constraints &constraints, uint
 // The leaf's grid, or the axis to split where it would be too large. `numbers`: room for a list of constraints, `stride`
 // apart.
 template <int LANES>
-static __device__ Outcome grid_of(const Team<LANES> &team, const View &view, const Geometry &geometry,
+static __device__ Outcome grid_of(const Team<LANES> &team, const View &view, const Rules &rules,
                                   const lens::PatchMap &map, const lens::Net &net, const bounds::Enclosure &enclosure,
                                   const cull::Place &place, uint32_t depth, Span<double> numbers, int stride, Grid &grid) {
     const double tolerance = view.tolerance - SNAPPING - place.rounding;
@@ -178,13 +178,13 @@ static __device__ Outcome grid_of(const Team<LANES> &team, const View &view, con
     // What was read of an earlier list has been read.
     team.sync();
     bounds::Constraints constraints = {numbers, stride, team.lane == 0};
-    constrain(team, geometry.bound, subject, enclosure, constraints);
+    constrain(team, rules.bound, subject, enclosure, constraints);
     if (!solve(constraints, grid)) {
         return too_large(constraints, depth);
     }
     grid.deviation[0] = float(view.tolerance);
     grid.deviation[1] = float(depth_tolerance);
-    if (geometry.grid == GRID_ETER) {
+    if (rules.grid == GRID_ETER) {
         grid.quads[0] = (grid.quads[0] + MESHLET - 1) / MESHLET * MESHLET;
         grid.quads[1] = (grid.quads[1] + MESHLET - 1) / MESHLET * MESHLET;
     }
@@ -192,7 +192,7 @@ static __device__ Outcome grid_of(const Team<LANES> &team, const View &view, con
         return too_large(constraints, depth);
     }
     double pixels, off;
-    if (deviation(team, geometry.bound, subject, enclosure, constraints, grid, pixels, off)) {
+    if (deviation(team, rules.bound, subject, enclosure, constraints, grid, pixels, off)) {
         grid.deviation[0] = next_up(SNAPPING + place.rounding + (pixels < tolerance ? pixels : tolerance));
         grid.deviation[1] = next_up(off < depth_tolerance ? off : depth_tolerance);
     }

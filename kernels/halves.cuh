@@ -38,7 +38,7 @@ static __device__ __forceinline__ bool fewer(uint32_t quads, uint32_t than) {
 static __device__ bool try_halves(Piece &piece, Lists &lists, uint32_t tries) {
     const uint32_t quads = piece.grid.all_quads(), base = piece.path.depth;
     const uint32_t points = uint32_t(piece.net.count());
-    if (piece.geometry.grid != GRID_ADAPTIVE || base >= estimate::MAX_DEPTH
+    if (piece.rules.grid != GRID_ADAPTIVE || base >= estimate::MAX_DEPTH
         || quads < estimate::worth_halving(points, piece.source.rational != 0)) {
         return false;
     }

@@ -11,7 +11,7 @@ constexpr double EXTRAPOLATED = 1.0 / 128.0;
 // A leaf with all that decides what is written of it.
 struct Drawn {
     const View &view;
-    const Geometry &geometry;
+    const Rules &rules;
     const scene::Scene &scene;
     const SceneInstance &instance;
     const ScenePatch &source;
@@ -85,7 +85,7 @@ static __device__ __forceinline__ int radius_of(double reach) {
 // `Pen::new`; `rim`: the face ends or is cut here, `gap` is the model's own.
 static __device__ void pens(const Drawn &d, bool rim, double gap, Buffer<const Point> net, Leaf &out) {
     const bool refine = d.view.refine > 0;
-    const uint32_t bound = d.geometry.bound;
+    const uint32_t bound = d.rules.bound;
     const bool tells = bound == BOUND_SCREEN || bound == BOUND_FILIP || bound == BOUND_ETER;
     const double rounding = d.place.rounding, off = double(d.grid.deviation[0]);
     const double half = 0.5 * max(d.view.tolerance - 0.5 / double(SUBPIXELS) - rounding, 0.0) + rounding;
@@ -144,7 +144,7 @@ static __device__ Leaf leaf_of(const Drawn &d, Buffer<const Point> net) {
 
 // `net`: the number of its first control point. Its tables come later.
 static __device__ Patch patch_of(const Drawn &d, uint32_t net) {
-    const int side = scene::visible_side(d.geometry, d.source);
+    const int side = scene::visible_side(d.rules, d.source);
     Patch out = {};
     out.net = net;
 #pragma unroll

@@ -65,7 +65,7 @@ enum Finding {
 // Part of a patch of an instance. The warp's memory: two nets, and what enclosing one takes.
 struct Piece {
     const View &view;
-    const Geometry &geometry;
+    const Rules &rules;
     const scene::Scene &scene;
     const SceneInstance &instance;
     const ScenePatch &source;
@@ -126,7 +126,7 @@ struct Piece {
             return cull::longer_axis(warp, view, net, map) ? SPLIT_V : SPLIT_U;
         }
         enclose();
-        switch (estimate::grid_of(warp, view, geometry, map, net, enclosure, place, path.depth, numbers, 1, grid)) {
+        switch (estimate::grid_of(warp, view, rules, map, net, enclosure, place, path.depth, numbers, 1, grid)) {
         case estimate::GRID: return DRAWN;
         case estimate::SPLIT_U: return WIDE_U;
         case estimate::SPLIT_V: return WIDE_V;
@@ -137,7 +137,7 @@ struct Piece {
 
     // The second derivatives, where the bound looks at them.
     __device__ void enclose() {
-        if (geometry.bound != BOUND_SCREEN && geometry.bound != BOUND_FILIP) {
+        if (rules.bound != BOUND_SCREEN && rules.bound != BOUND_FILIP) {
             return;
         }
         warp.sync();

@@ -40,9 +40,9 @@ static __device__ __forceinline__ trims::PlanePoint to_plane(const ScenePatch &p
 }
 
 // Which way a patch's visible side lies: 1 along S_u x S_v, -1 against it, 0: both sides can be seen.
-static __device__ __forceinline__ int visible_side(const Geometry &geometry, const ScenePatch &patch) {
-    const bool automatic = geometry.cull == CULL_AUTO;
-    if (geometry.cull == CULL_OFF || (automatic && (patch.sides == SIDES_BOTH || !geometry.whole))) {
+static __device__ __forceinline__ int visible_side(const Rules &rules, const ScenePatch &patch) {
+    const bool automatic = rules.cull == CULL_AUTO;
+    if (rules.cull == CULL_OFF || (automatic && (patch.sides == SIDES_BOTH || !rules.whole))) {
         return 0;
     }
     return patch.sides == SIDES_INSIDE ? -1 : 1;

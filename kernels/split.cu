@@ -6,6 +6,8 @@ namespace split {
 
 // Leaves that one patch may be split into.
 constexpr uint32_t MAX_LEAVES = 1 << 20;
+// Leaves beyond which the host gives up: each has four vertices at least.
+constexpr uint32_t MAX_PARTS = 1 << 26;
 
 // What a launch is given, besides the scene and the view.
 struct Buffers {
@@ -50,7 +52,7 @@ static __device__ void emit(Piece &piece, const Buffers &out, const Sizes &sizes
     if (part >= sizes.parts || net + piece.net.count() > sizes.part_points) {
         return;
     }
-    const leaf::Drawn drawn = {piece.view,       piece.geometry,
+    const leaf::Drawn drawn = {piece.view,       piece.rules,
                                piece.scene,      piece.instance,
                                piece.source,     piece.map,
                                piece.place,      piece.grid,
@@ -109,7 +111,7 @@ static __device__ uint32_t leaves_of(Piece &piece, Lists &lists, const Buffers &
 
 // A warp a block; each takes patches until none is left.
 extern "C" __global__ void __launch_bounds__(32)
-    split_patches(const __grid_constant__ View view, const __grid_constant__ Geometry geometry,
+    split_patches(const __grid_constant__ View view, const __grid_constant__ Rules rules,
                   const __grid_constant__ scene::Scene scene, const __grid_constant__ split::Buffers out,
                   const __grid_constant__ split::Sizes sizes) {
     SHARED(double, numbers, [bounds::NUMBERS]);
@@ -122,7 +124,7 @@ extern "C" __global__ void __launch_bounds__(32)
             taken = atomicAdd(&out.counters[0].taken, 1u);
         }
         taken = warp.first(taken);
-        if (taken >= work) {
+        if (taken >= work || warp.first(racy_load(&out.counters[0].parts)) > split::MAX_PARTS) {
             return;
         }
         const uint32_t visible = out.work[taken], item = out.visible[visible].item;
@@ -130,7 +132,7 @@ extern "C" __global__ void __launch_bounds__(32)
         const SceneInstance &instance = scene.instances[number];
         const ScenePatch &source = scene.patches[instance.first_patch + (item - instance.first_item)];
         const lens::PatchMap map = lens::patch_map(view, instance, load_vector(source.origin));
-        split::Piece piece = {view, geometry, scene, instance, source, map, warp,
+        split::Piece piece = {view, rules, scene, instance, source, map, warp,
                               out.memory + uint64_t(blockIdx.x) * sizes.memory, numbers, enclosure[0]};
         split::Lists lists = {out.halves + uint64_t(blockIdx.x) * sizes.halves, sizes.halves,
                               out.tried + uint64_t(blockIdx.x) * sizes.tried};

@@ -561,10 +561,10 @@ pub mod CullRule {
     pub const CULL_AUTO: Type = 1;
     pub const CULL_ON: Type = 2;
 }
-/// What cull and estimate are told of a frame, besides its `View`.
+/// What cull and estimate go by in a frame, besides its `View`.
 #[repr(C)]
 #[derive(Debug, Default, Copy, Clone, PartialEq)]
-pub struct Geometry {
+pub struct Rules {
     /// A `BoundRule`, a `GridRule`, a `CullRule`.
     pub bound: u32,
     pub grid: u32,
@@ -574,20 +574,12 @@ pub struct Geometry {
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of Geometry"][::core::mem::size_of::<Geometry>() - 16usize];
-    ["Alignment of Geometry"][::core::mem::align_of::<Geometry>() - 4usize];
-    [
-        "Offset of field: Geometry::bound",
-    ][::core::mem::offset_of!(Geometry, bound) - 0usize];
-    [
-        "Offset of field: Geometry::grid",
-    ][::core::mem::offset_of!(Geometry, grid) - 4usize];
-    [
-        "Offset of field: Geometry::cull",
-    ][::core::mem::offset_of!(Geometry, cull) - 8usize];
-    [
-        "Offset of field: Geometry::whole",
-    ][::core::mem::offset_of!(Geometry, whole) - 12usize];
+    ["Size of Rules"][::core::mem::size_of::<Rules>() - 16usize];
+    ["Alignment of Rules"][::core::mem::align_of::<Rules>() - 4usize];
+    ["Offset of field: Rules::bound"][::core::mem::offset_of!(Rules, bound) - 0usize];
+    ["Offset of field: Rules::grid"][::core::mem::offset_of!(Rules, grid) - 4usize];
+    ["Offset of field: Rules::cull"][::core::mem::offset_of!(Rules, cull) - 8usize];
+    ["Offset of field: Rules::whole"][::core::mem::offset_of!(Rules, whole) - 12usize];
 };
 /// A homogeneous control point of the scene: (wx, wy, wz, w) about its patch's origin.
 #[repr(C)]
@@ -763,6 +755,8 @@ const _: () = {
         "Offset of field: FaceColor::color",
     ][::core::mem::offset_of!(FaceColor, color) - 4usize];
 };
+/// One more than the most quads along a side of a leaf: 7 x 7 blocks round 2^12 up.
+pub const BASIS_SIDES: u32 = 4103;
 /// What becomes of a patch in an instance: `state` of an item.
 pub const ITEM_CULLED: u32 = 0;
 /// Drawn as a whole.
@@ -942,4 +936,31 @@ const _: () = {
     [
         "Offset of field: PartPlace::unused",
     ][::core::mem::offset_of!(PartPlace, unused) - 12usize];
+};
+/// What becomes of a block of a leaf's grid: its leaf has no trims; it is looked at; all of it lies outside the trims.
+pub const BLOCK_FREE: u32 = 0;
+pub const BLOCK_CUT: u32 = 1;
+pub const BLOCK_OUTSIDE: u32 = 2;
+/// What the meshlet list counts.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct MeshletCounts {
+    pub quads: u64,
+    /// Meshlets of trimmed leaves that no curve crosses.
+    pub inside: u32,
+    pub unused: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of MeshletCounts"][::core::mem::size_of::<MeshletCounts>() - 16usize];
+    ["Alignment of MeshletCounts"][::core::mem::align_of::<MeshletCounts>() - 8usize];
+    [
+        "Offset of field: MeshletCounts::quads",
+    ][::core::mem::offset_of!(MeshletCounts, quads) - 0usize];
+    [
+        "Offset of field: MeshletCounts::inside",
+    ][::core::mem::offset_of!(MeshletCounts, inside) - 8usize];
+    [
+        "Offset of field: MeshletCounts::unused",
+    ][::core::mem::offset_of!(MeshletCounts, unused) - 12usize];
 };

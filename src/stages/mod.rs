@@ -5,6 +5,7 @@ mod bounds;
 mod cone;
 pub(crate) mod cull;
 mod device;
+mod device_geometry;
 pub(crate) mod estimate;
 pub(crate) mod evaluate;
 mod fill;

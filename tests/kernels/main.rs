@@ -18,6 +18,8 @@ mod evaluate;
 #[cfg(host_kernels)]
 mod faults;
 #[cfg(host_kernels)]
+mod geometry;
+#[cfg(host_kernels)]
 mod frame;
 #[cfg(host_kernels)]
 mod numbers;
