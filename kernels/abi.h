@@ -184,6 +184,13 @@ struct alignas(16) Filled {
     uint32_t winner;
 };
 
+/// What a triangle shows at a pixel, before its trims are asked.
+struct alignas(16) Fragment {
+    uint64_t word;
+    uint32_t pixel;
+    uint32_t unused;
+};
+
 /// Where the search for a pixel's surface begins.
 struct Start {
     /// Patch parameters, before and after.

@@ -5,6 +5,7 @@
 // out past the outline of a surface has none there.
 #include "interpolate.cuh"
 #include "shading.cuh"
+#include "trim_cut.cuh"
 
 namespace settle {
 
@@ -89,6 +90,14 @@ static __device__ __forceinline__ void add(const View &view, const Geometry &in,
     }
 }
 
+static __device__ __forceinline__ bool belongs(const trims::Trims &trims, const View &view, const Leaf &leaf,
+                                               const refinement::Refined &r, bool reaching) {
+    if (leaf.tree == NO_TREE) {
+        return true;
+    }
+    return reaching ? trims::keeps(trims, view, leaf, r) : trims::contains(trims, leaf, r.s, r.t);
+}
+
 } // namespace settle
 
 // What the list of filled pixels asks for: a surface that is clearly nearer than N's own.
@@ -133,7 +142,8 @@ KERNEL(settle_starts)
 // Refines every start; the nearest surface exactly under its pixel's centre wins, among equals the larger word.
 // `reaching`: faces reach over the model's gaps; else only what lies under the centre itself counts.
 extern "C" __global__ void settle_search(const __grid_constant__ View view, GEOMETRY, Buffer<Filled> pixels,
-                                         Buffer<Start> starts, uint32_t count, uint32_t reaching) {
+                                         Buffer<Start> starts, uint32_t count, uint32_t reaching,
+                                         trims::Trims trims) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k >= count || starts[k].patch == NO_PATCH) {
@@ -151,7 +161,7 @@ extern "C" __global__ void settle_search(const __grid_constant__ View view, GEOM
     const float depth = shading::stored_depth(view, surface.depth_origin + r.point.z);
     const bool found = r.residual <= fminf(shading::EXACT + border, shading::HALF_PIXEL) &&
                        depth > pixels[start.slot].behind && !r.faces_away(in.patches[start.patch].hidden);
-    if (found) {
+    if (found && settle::belongs(trims, view, leaf, r, reaching != 0)) {
         starts[k].parameters[0] = r.s;
         starts[k].parameters[1] = r.t;
         starts[k].depth = depth;

@@ -359,6 +359,29 @@ const _: () = {
         "Offset of field: Filled::winner",
     ][::core::mem::offset_of!(Filled, winner) - 44usize];
 };
+/// What a triangle shows at a pixel, before its trims are asked.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Fragment {
+    pub word: u64,
+    pub pixel: u32,
+    pub unused: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Fragment"][::core::mem::size_of::<Fragment>() - 16usize];
+    ["Alignment of Fragment"][::core::mem::align_of::<Fragment>() - 16usize];
+    [
+        "Offset of field: Fragment::word",
+    ][::core::mem::offset_of!(Fragment, word) - 0usize];
+    [
+        "Offset of field: Fragment::pixel",
+    ][::core::mem::offset_of!(Fragment, pixel) - 8usize];
+    [
+        "Offset of field: Fragment::unused",
+    ][::core::mem::offset_of!(Fragment, unused) - 12usize];
+};
 /// Where the search for a pixel's surface begins.
 #[repr(C)]
 #[derive(Debug, Default, Copy, Clone, PartialEq)]

@@ -2,7 +2,9 @@
 
 use super::evaluate::{Staged, WARPS};
 use super::session::{Geometry, Session};
-use super::{Buffer, Gpu, GpuError, Pointer, Shape, abi};
+use super::trims::{TrimPointers, TrimsOnDevice};
+use super::{Argument, Buffer, Gpu, GpuError, Pointer, Shape, abi};
+use crate::stages::TrimCounts;
 
 /// Pixels in doubt that a frame has room for before it has seen how many there are.
 const DOUBTS: usize = 1 << 16;
@@ -10,6 +12,8 @@ const DOUBTS: usize = 1 << 16;
 const TILE: u32 = 8;
 /// Starts a candidate of settle.cu has at most.
 const STARTS: usize = 4;
+/// `trim::COUNTS` of trim.cu.
+const TRIM_COUNTS: usize = 3;
 const NO_SLOT: u32 = u32::MAX;
 
 /// What a device made of a frame.
@@ -21,16 +25,25 @@ pub(crate) struct Drawn {
     pub color: Vec<[f32; 3]>,
     /// Pixels that were filled, ascending.
     pub filled: Vec<u32>,
+    /// Fragments that were tested and what became of them.
+    pub trim: TrimCounts,
     pub buffer_bytes: u64,
 }
 
 /// Where stages end: their name, once they have.
 pub(crate) type Ended<'a> = &'a mut dyn FnMut(&'static str);
 
-/// Draws what cull and estimate left.
-pub(crate) fn draw<G: Gpu>(gpu: &mut G, staged: &Staged, doubtful: bool, ended: Ended) -> Result<Drawn, GpuError> {
+/// Draws what cull and estimate left. `doubtful`: pixels are in doubt where their exact depth is not what was taken for it.
+pub(crate) fn draw<G: Gpu>(
+    gpu: &mut G,
+    staged: &Staged,
+    trims: &TrimsOnDevice,
+    doubtful: bool,
+    ended: Ended,
+) -> Result<Drawn, GpuError> {
     let mut session = Session::new(gpu);
-    let drawn = Stages::new(&mut session, staged).and_then(|mut stages| stages.run(staged, doubtful, ended));
+    let stages = Stages::new(&mut session, staged, trims.pointers());
+    let drawn = stages.and_then(|mut stages| stages.run(staged, doubtful, ended));
     session.free()?;
     drawn
 }
@@ -38,6 +51,7 @@ pub(crate) fn draw<G: Gpu>(gpu: &mut G, staged: &Staged, doubtful: bool, ended: 
 struct Stages<'s, 'g, G: Gpu> {
     session: &'s mut Session<'g, G>,
     geometry: Geometry,
+    trims: TrimPointers,
     near: Buffer<u64>,
     spare: Buffer<u64>,
     parameters: Buffer<[f32; 2]>,
@@ -55,7 +69,7 @@ struct Pixels {
 }
 
 impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
-    fn new(session: &'s mut Session<'g, G>, staged: &Staged) -> Result<Self, GpuError> {
+    fn new(session: &'s mut Session<'g, G>, staged: &Staged, trims: TrimPointers) -> Result<Self, GpuError> {
         let view = staged.view;
         let pixels = view.size[0] as usize * view.size[1] as usize;
         let geometry = Geometry {
@@ -68,6 +82,7 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         };
         Ok(Self {
             geometry,
+            trims,
             near: session.zeroed(pixels)?,
             spare: session.zeroed(pixels)?,
             parameters: session.allocate(pixels)?,
@@ -83,6 +98,8 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         let (near, spare) = (self.near.pointer(), self.spare.pointer());
         self.session.for_meshlets(&self.geometry, "rasterize_meshlets", &[&near, &spare])?;
         self.end("rasterize", ended)?;
+        let trim = if staged.meshlets.iter().any(|m| m.tested != 0) { self.trim()? } else { TrimCounts::default() };
+        self.end("trim", ended)?;
         let filled = self.fill()?;
         self.end("fill", ended)?;
         let filled = self.shade(filled, doubtful)?;
@@ -92,6 +109,7 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
             parameters: self.session.download(&self.parameters)?,
             color: self.session.download(&self.color)?,
             filled,
+            trim,
             buffer_bytes: self.session.bytes(),
         })
     }
@@ -123,6 +141,35 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
             )?;
         }
         Ok(())
+    }
+
+    /// Draws the meshlets that trim curves cross: what no curve comes near to, then the fragments that have to be tested, then
+    /// strokes, which only count where they are nearer.
+    fn trim(&mut self) -> Result<TrimCounts, GpuError> {
+        let (near, spare, trims) = (self.near.pointer(), self.spare.pointer(), self.trims);
+        let mut room = self.pixels() / 4 + 1;
+        loop {
+            let queue = self.session.allocate::<abi::Fragment>(room)?.pointer();
+            let counts = self.session.zeroed::<u32>(TRIM_COUNTS)?;
+            let places = counts.pointer();
+            let room_there = room as u32;
+            self.session.for_meshlets(
+                &self.geometry,
+                "trim_meshlets",
+                &[&trims, &near, &room_there, &queue, &places],
+            )?;
+            let listed = self.session.download(&counts)?[0];
+            if listed > room_there {
+                room = listed as usize;
+                continue;
+            }
+            let rest: [&dyn Argument; 6] = [&trims, &near, &spare, &queue, &listed, &places];
+            self.session.for_each_in(&self.geometry, "trim_fragments", listed as usize, &rest)?;
+            self.session.for_meshlets(&self.geometry, "trim_strokes", &[&trims, &near, &spare])?;
+            let counts = self.session.download(&counts)?;
+            let [tested, rejected, proposed] = [counts[0], counts[1], counts[2]].map(u64::from);
+            return Ok(TrimCounts { tested, rejected, proposed, ..TrimCounts::default() });
+        }
     }
 
     fn pixels(&self) -> usize {
@@ -246,7 +293,12 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         let (all, starts) = (starts.len() as u32, starts.pointer());
         self.session.for_each_in(&self.geometry, "settle_starts", each, &[&list, &count, &candidates, &starts])?;
         let reaching = u32::from(reaching);
-        self.session.for_each_in(&self.geometry, "settle_search", all as usize, &[&list, &starts, &all, &reaching])?;
+        self.session.for_each_in(
+            &self.geometry,
+            "settle_search",
+            all as usize,
+            &[&list, &starts, &all, &reaching, &self.trims],
+        )?;
         self.session.for_each("settle_winner", all as usize, &[&list, &starts, &all])?;
         self.session.for_each("settle_apply", each, &[&list, &starts, &count, &self.near.pointer(), &slots])
     }

@@ -1,7 +1,7 @@
 //! A GPU as the frame uses it: one stream on one device, and its memory.
 
 use super::gpu::bytes_of;
-use super::{Argument, Buffer, CudaError, Gpu, GpuError, Kernels, Pod, Pointer, Shape};
+use super::{Argument, Buffer, CudaError, Gpu, GpuError, Kernels, Pod, Pointer, Shape, devices};
 use cudarc::driver::{CudaFunction, CudaSlice, CudaStream, DevicePtr, result};
 use foldhash::{HashMap, HashMapExt};
 use std::ffi::c_void;
@@ -10,6 +10,7 @@ use std::sync::Arc;
 /// Launches follow each other on one stream.
 #[derive(Debug)]
 pub struct Stream {
+    name: String,
     kernels: Kernels,
     stream: Arc<CudaStream>,
     /// By [`Buffer`]'s number.
@@ -23,7 +24,21 @@ impl Stream {
     pub fn new(ordinal: usize) -> Result<Self, CudaError> {
         let kernels = Kernels::load(ordinal)?;
         let stream = kernels.context().new_stream().map_err(CudaError::of_driver("making a CUDA stream"))?;
-        Ok(Self { kernels, stream, memory: Vec::new(), unused: Vec::new(), functions: HashMap::new() })
+        let device = devices()?.into_iter().find(|d| d.ordinal == ordinal);
+        let name = device.map(|d| format!("{}, driver {}", d.name, d.driver.version.as_deref().unwrap_or("unknown")));
+        Ok(Self {
+            name: name.unwrap_or_default(),
+            kernels,
+            stream,
+            memory: Vec::new(),
+            unused: Vec::new(),
+            functions: HashMap::new(),
+        })
+    }
+
+    /// The device and its driver, as rows of measurements name them.
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     fn keep<T>(&mut self, slice: CudaSlice<u8>, length: usize) -> Buffer<T> {

@@ -5,7 +5,8 @@ use super::frame::{Frame, Geometry, RenderError, Renderer, Targets};
 use super::lens::Lens;
 use super::shade::{Shader, repaint};
 use super::stats::{Clock, Stats};
-use super::{Options, Show};
+use super::{Options, Show, Trim, TrimCounts};
+use crate::cuda::trims::TrimsOnDevice;
 use crate::cuda::{self, Gpu, frame};
 use crate::emulated;
 use crate::scene::Camera;
@@ -31,6 +32,14 @@ impl Engine {
             Engine::Cuda(_) => "cuda",
         }
     }
+
+    /// The GPU and its driver; `None` on the CPU.
+    pub fn gpu(&self) -> Option<String> {
+        match self {
+            Engine::Cpu | Engine::Emulated(_) => None,
+            Engine::Cuda(stream) => Some(stream.name().to_owned()),
+        }
+    }
 }
 
 impl Renderer<'_> {
@@ -41,6 +50,9 @@ impl Renderer<'_> {
         camera: &Camera,
         options: &Options,
     ) -> Result<Frame, RenderError> {
+        if options.trim == Trim::Texture {
+            return Err(RenderError::NoTextures);
+        }
         let lens = Lens::new(camera);
         let mut clock = Clock::new();
         let culled = self.cull(&lens, options)?;
@@ -50,7 +62,11 @@ impl Renderer<'_> {
         let meshlets = self.evaluate(&lens, options, &leaves, &grids)?;
         let staged = self.staged_of(&lens, options, &leaves, &grids, &meshlets);
         let doubtful = self.scene.trims.segments() > 0;
-        let drawn = frame::draw(gpu, &staged, doubtful, &mut |stage| clock.stage(stage))?;
+        let trims = match self.resident {
+            Some(trims) => trims,
+            None => *self.resident.insert(TrimsOnDevice::upload(gpu, &self.scene.trims)?),
+        };
+        let drawn = frame::draw(gpu, &staged, &trims, doubtful, &mut |stage| clock.stage(stage))?;
         let mut targets = Targets::of(drawn.near, drawn.parameters, drawn.color);
         let filled = drawn.filled.iter().map(|&pixel| Filled { pixel, near: 0, start: None }).collect::<Vec<_>>();
         if options.show != Show::Shaded {
@@ -67,6 +83,7 @@ impl Renderer<'_> {
             };
             repaint(&shader, &mut targets);
         }
+        let meshlets_boundary = meshlets.meshlets.iter().filter(|m| m.tested).count() as u64;
         let stats = Stats {
             stages: clock.stages(),
             patches: self.scene.instances.iter().map(|i| i.patches.len() as u64).sum(),
@@ -77,7 +94,7 @@ impl Renderer<'_> {
             triangles: 2 * meshlets.quads,
             filled: filled.len() as u64,
             drawn: targets.near.iter().filter(|&&word| word != 0).count() as u64,
-            trim: meshlets.trim,
+            trim: meshlets.trim.plus(drawn.trim).plus(TrimCounts { meshlets_boundary, ..TrimCounts::default() }),
             buffer_bytes: drawn.buffer_bytes,
         };
         let (camera, options, leaves) = (*camera, *options, leaves.leaves);

@@ -17,7 +17,7 @@ use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
 use super::trim::{textures, trim};
 use super::trim_cut::gaps;
 use super::{Bound, Options, Trim};
-use crate::cuda::{self, GpuError, abi, evaluate::Staged};
+use crate::cuda::{self, GpuError, abi, evaluate::Staged, trims::TrimsOnDevice};
 use crate::scene::{Camera, PatchTrim, Scene};
 use glam::Vec4;
 use rayon::prelude::*;
@@ -64,6 +64,8 @@ pub enum RenderError {
     ToleranceTooSmall { tolerance: f64, floor: f64 },
     #[error("the model is {size:e} units large; what is drawn in f32 measures 1e-30 to 1e30: scale it")]
     ModelSize { size: f64 },
+    #[error("--trim texture is drawn by the CPU alone: use --backend cpu")]
+    NoTextures,
     #[error(transparent)]
     Gpu(#[from] GpuError),
     #[error("the slefe bound covers polynomial patches up to degree 7; face {face} is {what}")]
@@ -103,6 +105,8 @@ pub struct Frame {
 pub struct Renderer<'a> {
     pub(super) scene: &'a Scene,
     engine: Engine,
+    /// What the engine's device has of the scene.
+    pub(super) resident: Option<TrimsOnDevice>,
     tables: BasisTables,
     spare_targets: Option<Targets>,
 }
@@ -121,7 +125,11 @@ impl<'a> Renderer<'a> {
     }
 
     pub fn with(scene: &'a Scene, engine: Engine) -> Self {
-        Self { scene, engine, tables: BasisTables::new(), spare_targets: None }
+        Self { scene, engine, resident: None, tables: BasisTables::new(), spare_targets: None }
+    }
+
+    pub fn engine(&self) -> &Engine {
+        &self.engine
     }
 
     /// Draws one frame: cull, estimate, evaluate, rasterize, trim, fill, shade.

@@ -51,8 +51,30 @@ fn frames_are_those_of_the_cpu() {
 }
 
 #[test]
+fn trimmed_frames_are_those_of_the_cpu() {
+    for name in ["plate", "wedge", "drilled", "gap", "ball", "bowl", "degree22", "touching"]
+        .map(|n| format!("builtin:trimmed:{n}"))
+    {
+        let scene = scene(&name);
+        for fill in [Fill::Stroke, Fill::Eter] {
+            for (orthographic, refine, zoom) in [(false, 2, 1.0), (true, 2, 1.0), (false, 0, 1.0), (false, 2, 8.0)] {
+                let view = ViewSpec { size: [160, 120], orthographic, zoom, ..ViewSpec::default() };
+                let options = Options { fill, refine, ..Options::default() };
+                same(
+                    &scene,
+                    &view,
+                    &options,
+                    Schedule::default(),
+                    &format!("{name} {fill:?} {orthographic} {refine} {zoom}"),
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn frames_are_the_same_in_any_order() {
-    let scene = scene("builtin:torus");
+    let scene = scene("builtin:trimmed:drilled");
     let view = ViewSpec { size: [80, 60], ..ViewSpec::default() };
     for schedule in Schedule::adversarial() {
         same(&scene, &view, &Options::default(), schedule, &format!("{schedule:?}"));
