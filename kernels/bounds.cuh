@@ -147,18 +147,19 @@ static __device__ void screen(const Subject &s, const Enclosure &e, Constraints 
 // `screen` read the other way round, for all pixels that see the leaf: pixels and depth that a grid is off by.
 static __device__ void affine_deviation(const Subject &s, const Enclosure &e, int diagonal, double nu, double nv,
                                         double &pixels, double &depth) {
-    pixels = 0.0, depth = 0.0;
-    const auto most_of = [&](double &most) {
-        return [&, diagonal, nu, nv](const Constraint &c) { most = max(most, c.share(diagonal, nu, nv)); };
-    };
+    double off = 0.0;
+    const auto take = [&](const Constraint &c) { off = max(off, c.share(diagonal, nu, nv)); };
     for (int axis = 0; axis < 2; axis++) {
         const double half = lens::half_image(s.view, axis);
         for (int k = 0; k < (s.view.perspective ? 2 : 1); k++) {
             const double xi = clamped(k ? s.high(axis) : s.low(axis), -half, half);
-            signed_pair(e, s.facing(axis, xi), 1.0 / (8.0 * s.z_min()), most_of(pixels));
+            signed_pair(e, s.facing(axis, xi), 1.0 / (8.0 * s.z_min()), take);
         }
     }
-    signed_pair(e, s.map.axes[2], 1.0 / 8.0, most_of(depth));
+    pixels = off;
+    off = 0.0;
+    signed_pair(e, s.map.axes[2], 1.0 / 8.0, take);
+    depth = off;
 }
 
 // ETER section 4.1: the radius of a cube about any point of the leaf whose projection stays within the tolerance.
@@ -282,7 +283,7 @@ template <int LANES> static __device__ void projective(const Team<LANES> &team, 
         double ends[2];
         const bool wide = s.ends(axis, ends);
         for (int k = 0; wide && k < 2; k++) {
-            const double xi = (k ? ends[1] : ends[0]) - place.center[axis];
+            const double xi = (k ? ends[1] : ends[0]) - (axis ? place.center[1] : place.center[0]);
             push(1.0 / (8.0 * s.tolerance * d.low), [&](Vec4 p) { return (axis ? p.y : p.x) - xi * denominator(p); });
         }
     }

@@ -41,7 +41,7 @@ static __device__ __forceinline__ double scale_of(int m, int n, int k) {
 }
 
 template <int C>
-static __device__ Polynomial<C> product(const Warp &warp, const Polynomial<C> &a, const Polynomial<1> &b, Buffer<double> out) {
+static __device__ __noinline__ Polynomial<C> product(const Warp &warp, const Polynomial<C> &a, const Polynomial<1> &b, Buffer<double> out) {
     const int m = a.m + b.m, n = a.n + b.n;
     for (int k = warp.lane; k < (m + 1) * (n + 1) * C; k += 32) {
         const int c = k % C, row = k / C / (n + 1), column = k / C % (n + 1);
@@ -80,7 +80,7 @@ static __device__ void add(const Warp &warp, const Polynomial<3> &a, const Polyn
 }
 
 // The two halves of a net along an axis, by de Casteljau: the upper one in its place.
-static __device__ void halve(const Warp &warp, Buffer<ControlPoint> high, Buffer<ControlPoint> low, int m, int n, int axis) {
+static __device__ __noinline__ void halve(const Warp &warp, Buffer<ControlPoint> high, Buffer<ControlPoint> low, int m, int n, int axis) {
     const int count = axis == 0 ? m + 1 : n + 1, stride = axis == 0 ? n + 1 : 1;
     const int lines = axis == 0 ? n + 1 : m + 1, next_line = axis == 0 ? 1 : n + 1;
     for (int line = warp.lane; line < lines; line += 32) {
@@ -128,7 +128,7 @@ struct Hull {
 };
 
 // Hulls of the quarters of a net of degree (m, n) in `net`; two more of its size follow it.
-static __device__ void enclose_quarters(const Warp &warp, Buffer<ControlPoint> net, int m, int n, bounds::Enclosure &e, int k) {
+static __device__ __noinline__ void enclose_quarters(const Warp &warp, Buffer<ControlPoint> net, int m, int n, bounds::Enclosure &e, int k) {
     const int count = (m + 1) * (n + 1);
     Hull hull;
     if (count == 1) {

@@ -20,14 +20,11 @@ struct Subject {
           map(lens::patch_map(view, instance, load_vector(source.origin))), net(scene::net_of(scene, source)) {}
 };
 
-} // namespace estimate
-
 // A thread a visible patch: its grid, or its number in `work`, if it is not to be drawn as a whole.
-extern "C" __global__ void __launch_bounds__(estimate::THREADS)
-    estimate_patches(const __grid_constant__ View view, const __grid_constant__ Rules rules,
-                     const __grid_constant__ scene::Scene scene, uint32_t instances, uint32_t count, Buffer<Visible> visible,
-                     Buffer<uint32_t> leaf_counts, Buffer<uint32_t> point_counts, Buffer<uint32_t> work,
-                     Buffer<Counters> counters) {
+static __device__ __forceinline__ void patches(const View &view, const Rules &rules, const scene::Scene &scene,
+                                               uint32_t instances, uint32_t count, Buffer<Visible> visible,
+                                               Buffer<uint32_t> leaf_counts, Buffer<uint32_t> point_counts,
+                                               Buffer<uint32_t> work, Buffer<Counters> counters) {
     SHARED(double, numbers, [bounds::NUMBERS * estimate::THREADS]);
     const uint32_t k = blockIdx.x * estimate::THREADS + threadIdx.x;
     if (k >= count) {
@@ -40,7 +37,7 @@ extern "C" __global__ void __launch_bounds__(estimate::THREADS)
     if (whole) {
         cull::Place place;
         cull::judge(team, view, s.net, s.map, 0, place);
-        estimate::Grid grid;
+        estimate::Grid grid = {};
         const estimate::Outcome outcome =
             estimate::grid_of(team, view, rules, s.map, s.net, bounds::enclosure_of(s.source), place, 0,
                               numbers + threadIdx.x, estimate::THREADS, grid);
@@ -63,7 +60,25 @@ extern "C" __global__ void __launch_bounds__(estimate::THREADS)
         work[atomicAdd(&counters[0].split, 1u)] = k;
     }
 }
-KERNEL(estimate_patches)
+
+} // namespace estimate
+
+// BOUND: a `BoundRule` that the compiler knows, or that of the rules.
+#define ESTIMATE(name, BOUND)                                                                                          \
+    extern "C" __global__ void __launch_bounds__(estimate::THREADS)                                                    \
+        name(const __grid_constant__ View view, const __grid_constant__ Rules rules,                                   \
+             const __grid_constant__ scene::Scene scene, uint32_t instances, uint32_t count, Buffer<Visible> visible,  \
+             Buffer<uint32_t> leaf_counts, Buffer<uint32_t> point_counts, Buffer<uint32_t> work,                       \
+             Buffer<Counters> counters) {                                                                              \
+        const Rules with_bound = {BOUND, rules.grid, rules.cull, rules.whole};                                         \
+        estimate::patches(view, with_bound, scene, instances, count, visible, leaf_counts, point_counts, work,         \
+                          counters);                                                                                   \
+    }                                                                                                                  \
+    KERNEL(name)
+
+ESTIMATE(estimate_patches, rules.bound)
+// The default bound: much less code.
+ESTIMATE(estimate_patches_screen, BOUND_SCREEN)
 
 // A thread a visible patch that is drawn as a whole: its leaf, in its place among all.
 extern "C" __global__ void __launch_bounds__(128)

@@ -38,7 +38,7 @@ enum Outcome {
 };
 
 // The smallest nv for a given nu.
-static __device__ double fewest_across(const bounds::Constraints &constraints, int diagonal, double nu) {
+static __device__ __forceinline__ double fewest_across(const bounds::Constraints &constraints, int diagonal, double nu) {
     double nv = 1.0;
     for (int k = 0; k < constraints.count; k++) {
         const bounds::Constraint q = constraints.at(k);
@@ -56,7 +56,7 @@ static __device__ double fewest_across(const bounds::Constraints &constraints, i
 }
 
 // The fewest quads that satisfy all constraints of one diagonal; false above MAX_SIDE.
-static __device__ bool solve_one(const bounds::Constraints &constraints, int diagonal, uint32_t (&quads)[2]) {
+static __device__ __forceinline__ bool solve_one(const bounds::Constraints &constraints, int diagonal, uint32_t (&quads)[2]) {
     bool one = true;
     double most_a = 0.0, most_c = 0.0;
     for (int k = 0; k < constraints.count; k++) {
@@ -85,18 +85,23 @@ static __device__ bool solve_one(const bounds::Constraints &constraints, int dia
 }
 
 // The better of both diagonals.
-static __device__ bool solve(const bounds::Constraints &constraints, Grid &grid) {
-    uint32_t other[2];
-    const bool first = solve_one(constraints, 0, grid.quads), second = solve_one(constraints, 1, other);
-    grid.diagonal = second && (!first || other[0] * other[1] < grid.all_quads());
-    if (grid.diagonal) {
-        grid.quads[0] = other[0], grid.quads[1] = other[1];
+static __device__ __forceinline__ bool solve(const bounds::Constraints &constraints, Grid &grid) {
+    bool solved = false;
+#pragma unroll 1
+    for (int diagonal = 0; diagonal < 2; diagonal++) {
+        uint32_t quads[2];
+        const bool here = solve_one(constraints, diagonal, quads);
+        if (here && (!solved || quads[0] * quads[1] < grid.all_quads())) {
+            grid.quads[0] = quads[0], grid.quads[1] = quads[1];
+            grid.diagonal = uint32_t(diagonal);
+            solved = true;
+        }
     }
-    return first || second;
+    return solved;
 }
 
 template <int LANES>
-static __device__ void constrain(const Team<LANES> &team, uint32_t bound, const bounds::Subject &s,
+static __device__ __forceinline__ void constrain(const Team<LANES> &team, uint32_t bound, const bounds::Subject &s,
                                  const bounds::Enclosure &enclosure, bounds::Constraints &out) {
     if (bound == BOUND_SCREEN) {
         bounds::screen(s, enclosure, out);
@@ -117,7 +122,7 @@ static __device__ void constrain(const Team<LANES> &team, uint32_t bound, const 
 
 // What a grid is off by at most: pixels and camera depth. False: the bound says no more than that the tolerances are kept.
 template <int LANES>
-static __device__ bool deviation(const Team<LANES> &team, uint32_t bound, const bounds::Subject &s,
+static __device__ __forceinline__ bool deviation(const Team<LANES> &team, uint32_t bound, const bounds::Subject &s,
                                  const bounds::Enclosure &enclosure, const bounds::Constraints &used, const Grid &grid,
                                  double &pixels, double &depth) {
     const int diagonal = int(grid.diagonal);
@@ -125,8 +130,9 @@ static __device__ bool deviation(const Team<LANES> &team, uint32_t bound, const 
     pixels = 0.0, depth = 0.0;
     if (bound == BOUND_SCREEN && !used.narrow) {
         for (int k = 0; k < used.count; k++) {
-            double &most = k < used.depth ? pixels : depth;
-            most = max(most, used.at(k).share(diagonal, nu, nv));
+            const double share = used.at(k).share(diagonal, nu, nv);
+            pixels = k < used.depth ? max(pixels, share) : pixels;
+            depth = k < used.depth ? depth : max(depth, share);
         }
         depth = depth * s.depth_tolerance;
         const double tilt = s.view.perspective ? depth / s.place.low.z : 0.0;
@@ -151,7 +157,7 @@ static __device__ bool deviation(const Team<LANES> &team, uint32_t bound, const 
 // The next larger number in f32, of one that is not negative.
 static __device__ __forceinline__ float next_up(double value) { return __uint_as_float(__float_as_uint(float(value)) + 1); }
 
-static __device__ Outcome too_large(const bounds::Constraints &constraints, uint32_t depth) {
+static __device__ __forceinline__ Outcome too_large(const bounds::Constraints &constraints, uint32_t depth) {
     if (depth >= MAX_DEPTH) {
         return TOO_LARGE;
     }
@@ -166,9 +172,10 @@ static __device__ Outcome too_large(const bounds::Constraints &constraints, uint
 // The leaf's grid, or the axis to split where it would be too large. `numbers`: room for a list of constraints, `stride`
 // apart.
 template <int LANES>
-static __device__ Outcome grid_of(const Team<LANES> &team, const View &view, const Rules &rules,
-                                  const lens::PatchMap &map, const lens::Net &net, const bounds::Enclosure &enclosure,
-                                  const cull::Place &place, uint32_t depth, Span<double> numbers, int stride, Grid &grid) {
+static __device__ __forceinline__ Outcome grid_of(const Team<LANES> &team, const View &view, const Rules &rules,
+                                                  const lens::PatchMap &map, const lens::Net &net,
+                                                  const bounds::Enclosure &enclosure, const cull::Place &place,
+                                                  uint32_t depth, Span<double> numbers, int stride, Grid &grid) {
     const double tolerance = view.tolerance - SNAPPING - place.rounding;
     if (tolerance <= 0.0) {
         return NO_TOLERANCE;

@@ -112,8 +112,8 @@ struct Piece {
         net.points = own;
     }
 
-    // Where it is, whether it is drawn, and with which grid.
-    __device__ Finding look() {
+    // Where it is, whether it is drawn, and with which grid. A function of its own: this is much code for three callers.
+    __device__ __noinline__ Finding look() {
         load();
         const cull::Verdict verdict = cull::judge(warp, view, net, map, path.depth, place);
         if (verdict == cull::CULLED || cull::trimmed_away(view, scene, source, corner, extent)) {

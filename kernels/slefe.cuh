@@ -31,26 +31,36 @@ static __constant__ double TABLE[18][2][PIECES + 1] = {
 
 static __device__ __forceinline__ Vec3 zero() { return {0.0, 0.0, 0.0}; }
 
-// Upper (or lower) enclosure value of a row of coefficients `c(j)` of degree d at break point k. Each coefficient may be
-// asked for several times: nothing is kept.
-template <class Row> static __device__ Vec3 enclose_row(int d, int k, bool upper, Row c) {
+// What the coefficient j of degree d adds at break point k, where the second difference about it is `difference`.
+static __device__ __forceinline__ Vec3 bend(int d, int j, int k, bool upper, Vec3 difference) {
+    const bool mirrored = 2 * j > d;
+    const int row = 3 * (d - 2) + (mirrored ? d - j : j) - 1, at = mirrored ? PIECES - k : k;
+    const double grows = TABLE[row][upper ? 0 : 1][at], shrinks = TABLE[row][upper ? 1 : 0][at];
+    return larger(difference, zero()) * grows + lesser(difference, zero()) * shrinks;
+}
+
+// Upper (or lower) enclosure value of a row of coefficients `c(j)` of degree d at break point k. Both ends are asked for
+// first, then those between: nothing but the last three is kept, and the code of `c` is there once.
+template <class Row> static __device__ __forceinline__ Vec3 enclose_row(int d, int k, bool upper, Row c) {
     const double share = double(k) / double(PIECES);
-    const Vec3 first = c(0);
-    Vec3 before = first, here = c(1);
-    const Vec3 last = d > 1 ? c(d) : here;
-    Vec3 value = first * (1.0 - share) + last * share;
-    for (int j = 1; j < d; j++) {
-        const Vec3 next = j + 1 < d ? c(j + 1) : last;
-        const Vec3 difference = before - here * 2.0 + next;
-        const bool mirrored = 2 * j > d;
-        const double(&row)[2][PIECES + 1] = TABLE[3 * (d - 2) + (mirrored ? d - j : j) - 1];
-        const int at = mirrored ? PIECES - k : k;
-        const double grows = row[upper ? 0 : 1][at], shrinks = row[upper ? 1 : 0][at];
-        value = value + (larger(difference, zero()) * grows + lesser(difference, zero()) * shrinks);
-        before = here;
-        here = next;
+    Vec3 last = zero(), before = zero(), here = zero(), value = zero();
+#pragma unroll 1
+    for (int step = 0; step <= d; step++) {
+        const Vec3 next = c(step == 0 ? 0 : step == 1 ? d : step - 1);
+        if (step == 0) {
+            here = next;
+        } else if (step == 1) {
+            last = next;
+            value = here * (1.0 - share) + last * share;
+        } else {
+            if (step > 2) {
+                value = value + bend(d, step - 2, k, upper, before - here * 2.0 + next);
+            }
+            before = here;
+            here = next;
+        }
     }
-    return value;
+    return d > 1 ? value + bend(d, d - 1, k, upper, before - here * 2.0 + last) : value;
 }
 
 // Pieces along either direction, squared.
@@ -63,12 +73,16 @@ template <int LANES> static __device__ double pieces(const Team<LANES> &team, co
     double pixels = 0.0, depth = 0.0;
     for (int point = team.lane; point < (PIECES + 1) * (PIECES + 1); point += LANES) {
         const int ku = point / (PIECES + 1), kv = point % (PIECES + 1);
-        const auto corner_of = [&](bool upper) {
-            return enclose_row(n, kv, upper, [&](int j) {
-                return enclose_row(m, ku, upper, [&](int i) { return camera(i, j); });
+        Vec3 corner[2];
+#pragma unroll 1
+        for (int upper = 0; upper < 2; upper++) {
+            const Vec3 found = enclose_row(n, kv, upper != 0, [&](int j) {
+                return enclose_row(m, ku, upper != 0, [&](int i) { return camera(i, j); });
             });
-        };
-        const Vec3 high = corner_of(true), low = corner_of(false);
+            corner[0] = upper ? corner[0] : found;
+            corner[1] = found;
+        }
+        const Vec3 low = corner[0], high = corner[1];
         Vec3 most = zero(), least = zero();
         for (int k = 0; k < 8; k++) {
             const Vec3 c = {k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z};

@@ -164,7 +164,7 @@ static __device__ inline bool contains(const Trims &t, uint32_t tree, PlanePoint
         const TrimClip clip = t.clips[node.first + k];
         const bool spans = clip.heights[0] <= p.v && p.v < clip.heights[1];
         const bool right = spans && compares(Curve(t, clip.segment), p, Greater());
-        const bool below = clip.exit != EXIT_NONE && clip.heights[clip.exit == EXIT_UPPER] <= p.v;
+        const bool below = clip.exit != EXIT_NONE && (clip.exit == EXIT_UPPER ? clip.heights[1] : clip.heights[0]) <= p.v;
         inside ^= right != below;
     }
     return inside;

@@ -161,8 +161,9 @@ fn grids<G: Gpu>(session: &mut Session<G>, seen: &Seen, visible: Buffer<abi::Vis
     let work = session.allocate::<u32>(visible.len())?;
     let counters = session.upload(&[abi::Counters { error: abi::NO_ERROR, ..abi::Counters::default() }])?;
     if !visible.is_empty() {
+        let default = rules.bound == abi::BoundRule::BOUND_SCREEN;
         session.launch(
-            "estimate_patches",
+            if default { "estimate_patches_screen" } else { "estimate_patches" },
             Shape::of(visible.len(), THREADS),
             &[
                 view,
