@@ -14,13 +14,23 @@ constexpr i64 LARGE = 256;
 template <class Pixels, class Draw>
 static __device__ __forceinline__ void for_all(int count, int lane, Pixels pixels, Draw draw) {
     for (int first = 0; first < count; first += 32) {
-        const int k = first + lane;
+        int k = first + lane, start = 0, step = 1;
         const i64 size = k < count ? pixels(k) : 0;
-        if (size > 0 && size <= LARGE) {
-            draw(k, 0, 1);
-        }
-        for (unsigned large = __ballot_sync(ALL, size > LARGE); large != 0; large &= large - 1) {
-            draw(first + __ffs(large) - 1, lane, 32);
+        unsigned large = __ballot_sync(ALL, size > LARGE);
+        bool draws = size > 0 && size <= LARGE;
+        // One call for both, so that its code is there once.
+        while (true) {
+            if (draws) {
+                draw(k, start, step);
+            }
+            if (large == 0) {
+                break;
+            }
+            k = first + __ffs(large) - 1;
+            large &= large - 1;
+            start = lane;
+            step = 32;
+            draws = true;
         }
     }
 }

@@ -26,25 +26,34 @@ static __device__ __forceinline__ void triangles(const outlines::Drawn &d, Buffe
 
 } // namespace rasterize
 
-// All meshlets but those that trim tests; a grid of ceil(count / 4) blocks.
+// The triangles of all meshlets but those that trim tests; a grid of ceil(count / 4) blocks, as below.
 extern "C" __global__ void __launch_bounds__(rasterize::WARPS * 32)
-    rasterize_meshlets(const __grid_constant__ View view, GEOMETRY, uint32_t count, Buffer<Word> near, Buffer<Word> spare) {
+    rasterize_triangles(const __grid_constant__ View view, GEOMETRY, uint32_t count, Buffer<Word> near) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * rasterize::WARPS + threadIdx.x / 32;
-    const int lane = threadIdx.x % 32;
-    if (number >= count) {
+    if (number < count && !in.meshlets[number].tested) {
+        const Meshlet m = in.meshlets[number];
+        rasterize::triangles({view, in, m, in.patches[m.patch], in.leaves[m.patch], number}, near, threadIdx.x % 32);
+    }
+}
+KERNEL(rasterize_triangles)
+
+// Their strokes. Fill wants nothing that N hides, so that N is done first.
+extern "C" __global__ void __launch_bounds__(rasterize::WARPS * 32)
+    rasterize_strokes(const __grid_constant__ View view, GEOMETRY, uint32_t count, Buffer<const Word> near,
+                      Buffer<Word> spare) {
+    const Geometry in = GEOMETRY_ARGUMENTS;
+    const uint32_t number = blockIdx.x * rasterize::WARPS + threadIdx.x / 32;
+    if (number >= count || in.meshlets[number].tested) {
         return;
     }
     const Meshlet m = in.meshlets[number];
-    if (m.tested) {
-        return;
-    }
-    const Patch patch = in.patches[m.patch];
-    const Leaf leaf = in.leaves[m.patch];
-    const outlines::Drawn drawn = {view, in, m, patch, leaf, number};
-    rasterize::triangles(drawn, near, lane);
-    outlines::draw(drawn, count, lane, [&](int x, int y, Word word) {
-        keep_larger(spare, uint32_t(y) * view.size[0] + x, word);
+    const outlines::Drawn d = {view, in, m, in.patches[m.patch], in.leaves[m.patch], number};
+    outlines::draw(d, count, threadIdx.x % 32, [&](int x, int y, Word word) {
+        const uint32_t pixel = uint32_t(y) * view.size[0] + x;
+        if (topology::depth_of(word) > topology::depth_of(near[pixel])) {
+            keep_larger(spare, pixel, word);
+        }
     });
 }
-KERNEL(rasterize_meshlets)
+KERNEL(rasterize_strokes)

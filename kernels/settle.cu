@@ -143,7 +143,7 @@ KERNEL(settle_starts)
 // `reaching`: faces reach over the model's gaps; else only what lies under the centre itself counts.
 extern "C" __global__ void settle_search(const __grid_constant__ View view, GEOMETRY, Buffer<Filled> pixels,
                                          Buffer<Start> starts, uint32_t count, uint32_t reaching,
-                                         trims::Trims trims) {
+                                         const __grid_constant__ trims::Trims trims) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k >= count || starts[k].patch == NO_PATCH) {

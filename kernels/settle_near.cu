@@ -43,8 +43,8 @@ struct Plane {
         const double vx = double(t.x[2] - t.x[0]), vy = double(t.y[2] - t.y[0]);
         const double d = t.depth[0], du = double(t.depth[1]) - d, dv = double(t.depth[2]) - d;
         const double area = double(t.area);
-        return {t.x[0],       t.y[0], d, (du * vy - dv * uy) / area, (dv * ux - du * vx) / area, fmax(fmax(d, t.depth[1]), t.depth[2]),
-                double(reach)};
+        const double most = fmaxf(fmaxf(t.depth[0], t.depth[1]), t.depth[2]);
+        return {t.x[0], t.y[0], d, (du * vy - dv * uy) / area, (dv * ux - du * vx) / area, most, double(reach)};
     }
 
     // The nearest depth of the triangle within reach of a pixel's centre, or more.
@@ -144,8 +144,8 @@ extern "C" __global__ void __launch_bounds__(settle_near::WARPS * 32)
     }
     const settle_near::Wanted wanted = {slots, tiles, pixels, candidates, cursors};
     const Meshlet m = in.meshlets[number];
-    const Patch patch = in.patches[m.patch];
-    const Leaf leaf = in.leaves[m.patch];
+    const Patch &patch = in.patches[m.patch];
+    const Leaf &leaf = in.leaves[m.patch];
     const outlines::Drawn d = {view, in, m, patch, leaf, number};
     // Within the model's gap the border stands in for what is missing.
     const double pixels_off = double(leaf.deviation[0]) + leaf.gaps[1] + double(shading::EXACT);

@@ -106,7 +106,7 @@ static __device__ __forceinline__ bool keeps_stroke(const outlines::Drawn &d, co
 
 // The tested meshlets; a grid of ceil(count / 4) blocks. `counts`: trim::COUNTS of them.
 extern "C" __global__ void __launch_bounds__(trim::WARPS * 32)
-    trim_meshlets(const __grid_constant__ View view, GEOMETRY, uint32_t count, trims::Trims trims, Buffer<Word> near,
+    trim_meshlets(const __grid_constant__ View view, GEOMETRY, uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
                   uint32_t room, Buffer<Fragment> queue, Buffer<uint32_t> counts) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * trim::WARPS + threadIdx.x / 32;
@@ -114,8 +114,8 @@ extern "C" __global__ void __launch_bounds__(trim::WARPS * 32)
         return;
     }
     const Meshlet m = in.meshlets[number];
-    const Patch patch = in.patches[m.patch];
-    const Leaf leaf = in.leaves[m.patch];
+    const Patch &patch = in.patches[m.patch];
+    const Leaf &leaf = in.leaves[m.patch];
     const outlines::Drawn d = {view, in, m, patch, leaf, number};
     outlines::for_all(
         topology::triangles(m), threadIdx.x % 32,
@@ -128,7 +128,7 @@ extern "C" __global__ void __launch_bounds__(trim::WARPS * 32)
 KERNEL(trim_meshlets)
 
 // The listed fragments, on the exact surface.
-extern "C" __global__ void trim_fragments(const __grid_constant__ View view, GEOMETRY, trims::Trims trims, Buffer<Word> near,
+extern "C" __global__ void trim_fragments(const __grid_constant__ View view, GEOMETRY, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
                                           Buffer<Word> spare, Buffer<const Fragment> queue, uint32_t count,
                                           Buffer<uint32_t> counts) {
     const Geometry in = GEOMETRY_ARGUMENTS;
@@ -160,7 +160,7 @@ KERNEL(trim_fragments)
 
 // Strokes of the tested meshlets, once the near buffer is done.
 extern "C" __global__ void __launch_bounds__(trim::WARPS * 32)
-    trim_strokes(const __grid_constant__ View view, GEOMETRY, uint32_t count, trims::Trims trims, Buffer<const Word> near,
+    trim_strokes(const __grid_constant__ View view, GEOMETRY, uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<const Word> near,
                  Buffer<Word> spare) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * trim::WARPS + threadIdx.x / 32;
@@ -168,8 +168,8 @@ extern "C" __global__ void __launch_bounds__(trim::WARPS * 32)
         return;
     }
     const Meshlet m = in.meshlets[number];
-    const Patch patch = in.patches[m.patch];
-    const Leaf leaf = in.leaves[m.patch];
+    const Patch &patch = in.patches[m.patch];
+    const Leaf &leaf = in.leaves[m.patch];
     const outlines::Drawn d = {view, in, m, patch, leaf, number};
     outlines::draw(d, count, threadIdx.x % 32, [&](int x, int y, Word word) {
         const uint32_t pixel = uint32_t(y) * view.size[0] + x;

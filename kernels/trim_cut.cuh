@@ -77,7 +77,7 @@ struct Image {
 
 // Some point of the curve is carried by `image` into the box of half sizes `half` about the origin; parts are told apart
 // down to an eighth of it. The parts are the halves of halves: the k-th of 2^level.
-static __device__ bool comes_near(const Curve &curve, const Image &image, const double (&half)[3]) {
+inline __device__ __noinline__ bool comes_near(const Curve &curve, const Image &image, const double (&half)[3]) {
     // Doubles tell no more halves apart.
     constexpr int LAST = 53;
     uint64_t k = 0;
@@ -144,7 +144,7 @@ static __device__ __forceinline__ void kept(const Leaf &leaf, double gap, double
 }
 
 // A refined point is inside the loops, or on the screen within a curve's gap and rounding of one.
-static __device__ bool keeps(const Trims &trims, const View &view, const Leaf &leaf, const refinement::Refined &r) {
+inline __device__ __noinline__ bool keeps(const Trims &trims, const View &view, const Leaf &leaf, const refinement::Refined &r) {
     const PlanePoint p = to_plane(leaf, r.s, r.t);
     if (contains(trims, leaf.tree, p)) {
         return true;

@@ -32,7 +32,6 @@ static __device__ __forceinline__ Box box_around(PlanePoint a, PlanePoint b) {
     return {{min(a.u, b.u), min(a.v, b.v)}, {max(a.u, b.u), max(a.v, b.v)}};
 }
 
-
 // A segment at work: its ends, from the lower to the upper one, and its homogeneous points.
 struct Curve {
     PlanePoint a, b;
@@ -89,7 +88,7 @@ static __device__ __forceinline__ double between(PlanePoint a, PlanePoint b, dou
 constexpr int STEPS = 128;
 
 // The segment passes the height of p, within its ends', where `holds(its u, p's u)` is true: a comparison.
-template <class Holds> static __device__ bool compares(const Curve &c, PlanePoint p, Holds holds) {
+template <class Holds> static __device__ __noinline__ bool compares(const Curve &c, PlanePoint p, Holds holds) {
     PlanePoint a = c.a, b = c.b;
     double ta = 0.0, tb = 1.0;
     for (int step = 0; step < STEPS; step++) {
@@ -148,7 +147,7 @@ static __device__ inline bool meets(const Curve &c, const Box &within) {
 }
 
 // The point lies inside the loops of a tree.
-static __device__ inline bool contains(const Trims &t, uint32_t tree, PlanePoint p) {
+inline __device__ __noinline__ bool contains(const Trims &t, uint32_t tree, PlanePoint p) {
     const TrimTree &root = t.trees[tree];
     // Also refuses what is not a number.
     if (!(root.low[0] <= p.u && p.u < root.high[0] && root.low[1] <= p.v && p.v < root.high[1])) {
@@ -205,7 +204,7 @@ template <class Visit> static __device__ bool visit(const Trims &t, uint32_t tre
 }
 
 // Where a closed box lies: a `Region`.
-static __device__ inline uint32_t classify(const Trims &t, uint32_t tree, const Box &within) {
+inline __device__ __noinline__ uint32_t classify(const Trims &t, uint32_t tree, const Box &within) {
     if (visit(t, tree, within, [&](uint32_t segment) { return meets(Curve(t, segment), within); })) {
         return REGION_BOUNDARY;
     }

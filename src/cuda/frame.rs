@@ -96,7 +96,8 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         self.evaluate(staged)?;
         self.end("evaluate", ended)?;
         let (near, spare) = (self.near.pointer(), self.spare.pointer());
-        self.session.for_meshlets(&self.geometry, "rasterize_meshlets", &[&near, &spare])?;
+        self.session.for_meshlets(&self.geometry, "rasterize_triangles", &[&near])?;
+        self.session.for_meshlets(&self.geometry, "rasterize_strokes", &[&near, &spare])?;
         self.end("rasterize", ended)?;
         let trim = if staged.meshlets.iter().any(|m| m.tested != 0) { self.trim()? } else { TrimCounts::default() };
         self.end("trim", ended)?;

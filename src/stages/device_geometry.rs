@@ -15,6 +15,16 @@ use crate::cuda::{Gpu, GpuError, abi, cull, estimate as grids, meshlets};
 use crate::scene::Camera;
 use std::sync::atomic::AtomicU64;
 
+/// What the geometry stages counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GeometryCounts {
+    pub patches_visible: u64,
+    pub quads: u64,
+    /// Of patches that loops cut: as in `TrimCounts`.
+    pub meshlets_outside: u64,
+    pub meshlets_inside: u64,
+}
+
 /// What the geometry stages left on a device.
 pub(crate) struct DeviceGeometry {
     pub leaves: grids::Leaves,
@@ -45,20 +55,20 @@ impl Renderer<'_> {
         Ok(DeviceGeometry { leaves, meshlets })
     }
 
-    /// What `Renderer::staged` makes, by a device's kernels; and how many patches are visible.
+    /// What `Renderer::staged` makes, by a device's kernels.
     pub fn staged_on<G: Gpu>(
         &self,
         gpu: &mut G,
         camera: &Camera,
         options: &Options,
-    ) -> Result<(Staged, u64), RenderError> {
+    ) -> Result<(Staged, GeometryCounts), RenderError> {
         self.check(options)?;
         let scene = SceneOnDevice::upload(gpu, self.scene)?;
         let mut session = Session::new(gpu);
         let geometry = self.geometry_on(&mut session, &scene, camera, options, &mut |_| {});
         let staged = geometry.and_then(|geometry| {
             let staged = download(&mut session, &geometry)?;
-            Ok((Staged { view: view(&Lens::new(camera), options), ..staged }, geometry.leaves.patches_visible))
+            Ok((Staged { view: view(&Lens::new(camera), options), ..staged }, geometry.counts()))
         });
         session.free()?;
         scene.free(gpu)?;
@@ -94,6 +104,17 @@ impl Renderer<'_> {
             abi::ERROR_TOO_CLOSE => RenderError::TooClose { face, patch },
             _ => RenderError::TooManyLeaves { face, patch, limit: super::cull::MAX_LEAVES },
         })
+    }
+}
+
+impl DeviceGeometry {
+    pub fn counts(&self) -> GeometryCounts {
+        GeometryCounts {
+            patches_visible: self.leaves.patches_visible,
+            quads: self.meshlets.quads,
+            meshlets_outside: self.meshlets.outside,
+            meshlets_inside: self.meshlets.inside,
+        }
     }
 }
 

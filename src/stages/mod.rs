@@ -35,6 +35,7 @@ mod trim_texture;
 mod tests;
 
 pub use device::Engine;
+pub use device_geometry::GeometryCounts;
 pub use frame::{Frame, Pixel, RenderError, Renderer};
 pub use options::{Bound, Cull, Fill, Grid, Interpolation, Options, Show, Trim};
 pub use stats::{StageTime, Stats};

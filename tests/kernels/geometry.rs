@@ -6,7 +6,7 @@ use halfpixel::cuda::evaluate::Staged;
 use halfpixel::emulated::{Device, Schedule};
 use halfpixel::import;
 use halfpixel::scene::{Scene, SceneInstance, ViewSpec, prepare};
-use halfpixel::stages::{Bound, Cull, Grid, Options, Renderer, Trim};
+use halfpixel::stages::{Bound, Cull, GeometryCounts, Grid, Options, Renderer, Trim};
 use std::mem::discriminant;
 use std::ops::Range;
 
@@ -154,6 +154,28 @@ fn errors_are_the_cpus() {
     stopped("builtin:teapot", view(false, 1.0), Options { tolerance: 0.00196, ..options });
     stopped("builtin:torus", view(false, 1.0), Options { depth_tolerance: 1e-30, ..options });
     stopped("builtin:sphere", view(false, 1e25), options);
+}
+
+/// What is told of a frame.
+#[test]
+fn counts_are_the_cpus() {
+    for name in MODELS {
+        let scene = scene(name);
+        let mut renderer = Renderer::new(&scene);
+        for zoom in [1.0, 7.0] {
+            let camera = ViewSpec { size: [320, 200], ..view(false, zoom) }.camera(&scene.bounds).expect("a camera");
+            let options = Options { tolerance: 0.2, ..Options::default() };
+            let (_, found) = renderer.staged_on(&mut Device::default(), &camera, &options).expect("a frame");
+            let stats = renderer.render(&camera, &options).expect("a frame").stats;
+            let expected = GeometryCounts {
+                patches_visible: stats.patches_visible,
+                quads: stats.quads,
+                meshlets_outside: stats.trim.meshlets_outside,
+                meshlets_inside: stats.trim.meshlets_inside,
+            };
+            assert_eq!(found, expected, "{name}");
+        }
+    }
 }
 
 /// Eyes within the model: the near plane cuts patches open.

@@ -18,9 +18,9 @@ mod evaluate;
 #[cfg(host_kernels)]
 mod faults;
 #[cfg(host_kernels)]
-mod geometry;
-#[cfg(host_kernels)]
 mod frame;
+#[cfg(host_kernels)]
+mod geometry;
 #[cfg(host_kernels)]
 mod numbers;
 #[cfg(host_kernels)]
