@@ -459,3 +459,20 @@ struct alignas(8) MeshletCounts {
     uint32_t inside;
     uint32_t unused;
 };
+
+/// A point of a surface and its unit normal: what ETER's table 1 counts.
+struct alignas(8) SurfacePoint {
+    float position[3];
+    /// Along S_u x S_v; 0 where these are parallel.
+    float normal[3];
+};
+
+/// A point of a surface with its tangents.
+struct alignas(16) SurfaceFrame {
+    float position[3];
+    /// S_u and S_v of the patch's unit square.
+    float along_u[3];
+    float along_v[3];
+    /// As in `SurfacePoint`.
+    float normal[3];
+};

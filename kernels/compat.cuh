@@ -57,6 +57,15 @@ static __device__ __forceinline__ uint32_t pack_half2(float low, float high) {
 #endif
 }
 
+// The two halves of a register.
+static __device__ __forceinline__ float2 unpack_half2(uint32_t bits) {
+#ifdef __CUDACC__
+  return __half22float2(*reinterpret_cast<const __half2 *>(&bits));
+#else
+  return make_float2(hp::half_value((uint16_t)bits), hp::half_value((uint16_t)(bits >> 16)));
+#endif
+}
+
 // Bits of the nearest tf32 number, ties away from zero.
 static __device__ __forceinline__ uint32_t to_tf32(float x) {
 #ifdef __CUDACC__

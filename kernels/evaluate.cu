@@ -7,42 +7,16 @@
 // One warp a meshlet. Four columns of the net at a time are summed over u for all eight rows of vertices (lane = column,
 // row) and handed over through shared memory to the lanes that sum them over v (lane = row, column of vertices; two
 // vertices a lane). Any degree takes 512 bytes a warp.
-#include "abi.h"
-#include "compat.cuh"
+#include "evaluate.cuh"
 
 namespace evaluate {
 
-constexpr int WARPS = 4;
 // Columns of the net a warp sums at once: 32 lanes, eight rows.
 constexpr int COLUMNS = 4;
-
-// What a launch is given, besides the view.
-struct Buffers {
-    Buffer<const Patch> patches;
-    Buffer<const Meshlet> meshlets;
-    Buffer<const Point> nets;
-    Buffer<const float> basis;
-    Buffer<Vertex> vertices;
-};
 
 // sum + c * b, rounded twice: contraction is off.
 static __device__ __forceinline__ float4 add_scaled(float4 sum, float4 c, float b) {
     return make_float4(sum.x + c.x * b, sum.y + c.y * b, sum.z + c.z * b, sum.w + c.w * b);
-}
-
-// A point of the patch to its pixel and stored depth: `Projector::vertex` of the CPU.
-static __device__ __forceinline__ Vertex project(const View &view, const Patch &patch, float4 p) {
-    const bool perspective = view.perspective != 0;
-    const float denominator = perspective ? p.z + patch.depth_origin * p.w : p.w;
-    Vertex v;
-    v.x = patch.base[0] + __float2int_rn(p.x / denominator * float(SUBPIXELS));
-    v.y = patch.base[1] + __float2int_rn(p.y / denominator * float(SUBPIXELS));
-    const float depth = perspective ? view.near_f32 * p.w / denominator
-                                    : patch.depth_offset - view.depth_slope * (p.z / p.w);
-    // A hull that touches the near plane may round past it; 2^-126 is the least normal number.
-    v.depth = fminf(fmaxf(depth, 1.17549435e-38f), 1.0f);
-    v.weight = view.projective ? 1.0f / denominator : perspective ? v.depth : 1.0f;
-    return v;
 }
 
 // The sum over u of one column of the net, at the grid line whose Bernstein values are `basis`.

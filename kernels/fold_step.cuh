@@ -2,7 +2,7 @@
 // nearly singular. The direction it sees well is taken whole, the other by a fraction, along a parabola that trials bend.
 // Twin of src/stages/fold_step.rs, which says why.
 #pragma once
-#include "surface.cuh"
+#include "patch_point.cuh"
 
 namespace refinement {
 

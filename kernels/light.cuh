@@ -37,7 +37,7 @@ static __device__ __forceinline__ void add(Light &light, float3 normal, float3 t
 
 // A patch's affine axes are M times camera axes, M = [[f, 0, -cx], [0, f, -cy], [0, 0, 1]] in perspective and diag(s, s, 1)
 // in orthographic views: normals go back with the transpose of M.
-static __device__ __forceinline__ Light at(const View &view, const Leaf &leaf, const SurfacePoint &point, int x, int y) {
+static __device__ __forceinline__ Light at(const View &view, const Leaf &leaf, const PatchPoint &point, int x, int y) {
     // Only the direction counts: M over its scale keeps numbers near one.
     const float inverse = 1.0f / float(view.scale);
     float3 ray = make_float3(0.0f, 0.0f, 1.0f);

@@ -23,7 +23,7 @@ struct Refined {
     float s, t;
     // L-infinity distance of the projected surface point from the pixel centre.
     float residual;
-    SurfacePoint point;
+    PatchPoint point;
 
     // It shows the inside of a solid, whose hidden sense of rotation is `hidden`; 0 hides nothing.
     __device__ __forceinline__ bool faces_away(int hidden) const {
@@ -33,10 +33,10 @@ struct Refined {
 };
 
 // Sign of the map from parameters to pixels: which side of the surface faces the eye.
-static __device__ __forceinline__ float jacobian(const SurfacePoint &p) { return p.ds[0] * p.dt[1] - p.dt[0] * p.ds[1]; }
+static __device__ __forceinline__ float jacobian(const PatchPoint &p) { return p.ds[0] * p.dt[1] - p.dt[0] * p.ds[1]; }
 
 // What the depth may change: the tolerance, and twice what the surface's own slope explains.
-static __device__ __forceinline__ float slope_allowance(const Surface &surface, const SurfacePoint &p, float x, float y) {
+static __device__ __forceinline__ float slope_allowance(const Surface &surface, const PatchPoint &p, float x, float y) {
     const float rx = x - p.x, ry = y - p.y;
     // (ds, dt) = J^-1 r; dz = z_s ds + z_t dt.
     const float a = rx * p.dt[1] - ry * p.dt[0];
@@ -52,7 +52,7 @@ struct Step {
 
 // One damped Gauss-Newton step, clamped to the patch; where one parameter meets its end the other is solved again. With what
 // is needed beside a fold.
-static __device__ __forceinline__ Step step(const Surface &surface, const SurfacePoint &p, float s, float t, float x, float y) {
+static __device__ __forceinline__ Step step(const Surface &surface, const PatchPoint &p, float s, float t, float x, float y) {
     const float rx = x - p.x, ry = y - p.y;
     const float a = p.ds[0], b = p.ds[1], c = p.dt[0], d = p.dt[1];
     const float aa = a * a + b * b, cc = c * c + d * d, ac = a * c + b * d;
@@ -96,7 +96,7 @@ static __device__ __forceinline__ void round(const Surface &surface, float x, fl
     const float slack = slope_allowance(surface, r.point, x, y);
     Step next = step(surface, r.point, r.s, r.t, x, y);
     for (int halving = 0; halving <= (surface.any_sheet ? SEARCH_HALVINGS : HALVINGS); halving++) {
-        const SurfacePoint point = surface::at(surface, next.next.x, next.next.y);
+        const PatchPoint point = patch_point::at(surface, next.next.x, next.next.y);
         const float rx = x - point.x, ry = y - point.y;
         const float residual = larger(fabsf(rx), fabsf(ry));
         // Near a fold the next trial knows the curvature: what gains little waits for it.
@@ -128,7 +128,7 @@ inline __device__ __noinline__ Refined refine(const Surface &surface, uint32_t r
     Refined r;
     r.s = s;
     r.t = t;
-    r.point = surface::at(surface, s, t);
+    r.point = patch_point::at(surface, s, t);
     r.residual = larger(fabsf(x - r.point.x), fabsf(y - r.point.y));
     const float facing = jacobian(r.point);
     for (uint32_t k = 0; k < rounds * STRAGGLER_ROUNDS && r.residual > CONVERGED; k++) {

@@ -101,7 +101,7 @@ static __device__ __forceinline__ bool belongs(const trims::Trims &trims, const 
 } // namespace settle
 
 // What the list of filled pixels asks for: a surface that is clearly nearer than N's own.
-extern "C" __global__ void settle_ask(const __grid_constant__ View view, Buffer<Filled> pixels, uint32_t count) {
+extern "C" __global__ void __launch_bounds__(THREADS) settle_ask(const __grid_constant__ View view, Buffer<Filled> pixels, uint32_t count) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k < count) {
         pixels[k].behind = shading::nearer_by_tolerance(view, topology::depth_of(pixels[k].near), 1.0);
@@ -111,7 +111,7 @@ extern "C" __global__ void settle_ask(const __grid_constant__ View view, Buffer<
 KERNEL(settle_ask)
 
 // The starts of each pixel's candidates, in the same order whatever order these were found in: four places a candidate.
-extern "C" __global__ void settle_starts(const __grid_constant__ View view, GEOMETRY, Buffer<const Filled> pixels,
+extern "C" __global__ void __launch_bounds__(THREADS) settle_starts(const __grid_constant__ View view, GEOMETRY, Buffer<const Filled> pixels,
                                          uint32_t count, Buffer<Word> candidates, Buffer<Start> starts) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t slot = blockIdx.x * blockDim.x + threadIdx.x;
@@ -141,7 +141,7 @@ KERNEL(settle_starts)
 
 // Refines every start; the nearest surface exactly under its pixel's centre wins, among equals the larger word.
 // `reaching`: faces reach over the model's gaps; else only what lies under the centre itself counts.
-extern "C" __global__ void settle_search(const __grid_constant__ View view, GEOMETRY, Buffer<Filled> pixels,
+extern "C" __global__ void __launch_bounds__(THREADS) settle_search(const __grid_constant__ View view, GEOMETRY, Buffer<Filled> pixels,
                                          Buffer<Start> starts, uint32_t count, uint32_t reaching,
                                          const __grid_constant__ trims::Trims trims) {
     const Geometry in = GEOMETRY_ARGUMENTS;
@@ -172,7 +172,7 @@ extern "C" __global__ void settle_search(const __grid_constant__ View view, GEOM
 KERNEL(settle_search)
 
 // The first of the starts that found what won.
-extern "C" __global__ void settle_winner(Buffer<Filled> pixels, Buffer<const Start> starts, uint32_t count) {
+extern "C" __global__ void __launch_bounds__(THREADS) settle_winner(Buffer<Filled> pixels, Buffer<const Start> starts, uint32_t count) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k >= count || starts[k].patch == NO_PATCH || starts[k].depth == 0.0f) {
         return;
@@ -186,7 +186,7 @@ KERNEL(settle_winner)
 
 // Pixels go to what was found; the others get back what they had, and lose their mark. `start` is that of what was found
 // from now on.
-extern "C" __global__ void settle_apply(Buffer<Filled> pixels, Buffer<const Start> starts, uint32_t count,
+extern "C" __global__ void __launch_bounds__(THREADS) settle_apply(Buffer<Filled> pixels, Buffer<const Start> starts, uint32_t count,
                                         Buffer<Word> near, Buffer<uint32_t> slots) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k >= count) {

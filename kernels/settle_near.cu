@@ -120,7 +120,7 @@ static __device__ __forceinline__ void triangle(const outlines::Drawn &d, const 
 } // namespace settle_near
 
 // Marks the pixels of the list in the image and in its tiles.
-extern "C" __global__ void settle_mark(const __grid_constant__ View view, Buffer<const Filled> pixels, uint32_t count,
+extern "C" __global__ void __launch_bounds__(THREADS) settle_mark(const __grid_constant__ View view, Buffer<const Filled> pixels, uint32_t count,
                                        Buffer<uint32_t> slots, Buffer<uint32_t> tiles) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k < count) {
@@ -134,7 +134,7 @@ extern "C" __global__ void settle_mark(const __grid_constant__ View view, Buffer
 KERNEL(settle_mark)
 
 // One warp a meshlet; a grid of ceil(count / 4) blocks. `candidates` null: only counts.
-extern "C" __global__ void __launch_bounds__(settle_near::WARPS * 32)
+extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(settle_near::WARPS * 32)
     settle_find(const __grid_constant__ View view, GEOMETRY, uint32_t count, Buffer<const uint32_t> slots,
                 Buffer<const uint32_t> tiles, Buffer<Filled> pixels, Buffer<Word> candidates, Buffer<uint32_t> cursors) {
     const Geometry in = GEOMETRY_ARGUMENTS;
@@ -162,7 +162,7 @@ extern "C" __global__ void __launch_bounds__(settle_near::WARPS * 32)
 KERNEL(settle_find)
 
 // Gives each pixel its part of the list of candidates; `total`: how many there are.
-extern "C" __global__ void settle_allocate(Buffer<Filled> pixels, uint32_t count, Buffer<uint32_t> total) {
+extern "C" __global__ void __launch_bounds__(THREADS) settle_allocate(Buffer<Filled> pixels, uint32_t count, Buffer<uint32_t> total) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k < count) {
         pixels[k].first = atomicAdd(&total[0], pixels[k].candidates);

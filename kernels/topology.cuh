@@ -6,6 +6,9 @@
 
 using Word = unsigned long long;
 
+// A block of kernels that give a thread to each pixel, or to each entry of a list: `THREADS` of src/cuda/session.rs.
+constexpr int THREADS = 128;
+
 // What the stages that draw read: the frame's patches with their grids, and the vertices that evaluate made of them.
 struct Geometry {
     Buffer<const Patch> patches;

@@ -987,3 +987,52 @@ const _: () = {
         "Offset of field: MeshletCounts::unused",
     ][::core::mem::offset_of!(MeshletCounts, unused) - 12usize];
 };
+/// A point of a surface and its unit normal: what ETER's table 1 counts.
+#[repr(C)]
+#[repr(align(8))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct SurfacePoint {
+    pub position: [f32; 3usize],
+    /// Along S_u x S_v; 0 where these are parallel.
+    pub normal: [f32; 3usize],
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of SurfacePoint"][::core::mem::size_of::<SurfacePoint>() - 24usize];
+    ["Alignment of SurfacePoint"][::core::mem::align_of::<SurfacePoint>() - 8usize];
+    [
+        "Offset of field: SurfacePoint::position",
+    ][::core::mem::offset_of!(SurfacePoint, position) - 0usize];
+    [
+        "Offset of field: SurfacePoint::normal",
+    ][::core::mem::offset_of!(SurfacePoint, normal) - 12usize];
+};
+/// A point of a surface with its tangents.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct SurfaceFrame {
+    pub position: [f32; 3usize],
+    /// S_u and S_v of the patch's unit square.
+    pub along_u: [f32; 3usize],
+    pub along_v: [f32; 3usize],
+    /// As in `SurfacePoint`.
+    pub normal: [f32; 3usize],
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of SurfaceFrame"][::core::mem::size_of::<SurfaceFrame>() - 48usize];
+    ["Alignment of SurfaceFrame"][::core::mem::align_of::<SurfaceFrame>() - 16usize];
+    [
+        "Offset of field: SurfaceFrame::position",
+    ][::core::mem::offset_of!(SurfaceFrame, position) - 0usize];
+    [
+        "Offset of field: SurfaceFrame::along_u",
+    ][::core::mem::offset_of!(SurfaceFrame, along_u) - 12usize];
+    [
+        "Offset of field: SurfaceFrame::along_v",
+    ][::core::mem::offset_of!(SurfaceFrame, along_v) - 24usize];
+    [
+        "Offset of field: SurfaceFrame::normal",
+    ][::core::mem::offset_of!(SurfaceFrame, normal) - 36usize];
+};

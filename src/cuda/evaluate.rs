@@ -1,6 +1,8 @@
 //! evaluate, host side: a frame's patches and meshlets as `kernels/abi.h` describes them.
 
 use super::abi;
+use super::precision::{Arithmetic, Hull, Kernel};
+use super::selection::{Clocks, Precision};
 use crate::stages::cull::Leaves;
 use crate::stages::estimate::Tessellation;
 use crate::stages::evaluate::Meshlets;
@@ -25,6 +27,8 @@ pub struct Staged {
     pub basis: Vec<f32>,
     /// Vertices of all meshlets.
     pub vertices: usize,
+    /// Of each patch.
+    pub arithmetics: Vec<Arithmetic>,
 }
 
 impl Staged {
@@ -64,6 +68,7 @@ impl Staged {
                 source: leaf.patch,
             });
         }
+        staged.arithmetics = vec![Arithmetic::F32; staged.patches.len()];
         staged.nets = leaves.nets.iter().map(|p| abi::Point { x: p.x, y: p.y, z: p.z, w: p.w }).collect();
         staged.meshlets = (meshlets.meshlets.iter())
             .map(|m| abi::Meshlet {
@@ -78,17 +83,26 @@ impl Staged {
         staged
     }
 
-    /// The kernels that evaluate all meshlets, each with its own: one for each degree that is the same in u and v and at
-    /// most 7, one for all others.
+    /// Gives each patch an arithmetic that its own `rounding` allows: what the tolerance left to evaluation when the grid was
+    /// made (`Precision::rounding`).
+    pub fn choose(&mut self, precision: Precision, clocks: &Clocks) {
+        let choose = |patch: &abi::Patch| {
+            let points: usize = patch.degree.iter().map(|&d| usize::from(d) + 1).product();
+            let hull = Hull::new(&self.view, patch, &self.nets[patch.net as usize..][..points]);
+            precision.choose(&self.view, &hull, patch.rounding.into(), clocks)
+        };
+        self.arithmetics = self.patches.iter().map(choose).collect();
+    }
+
+    /// The kernels that evaluate all meshlets, each with its own, by degree and arithmetic of their patches.
     pub fn bins(&self) -> Vec<(String, Vec<abi::Meshlet>)> {
-        let mut bins: Vec<Vec<abi::Meshlet>> = vec![Vec::new(); 8];
+        let mut bins: BTreeMap<Kernel, Vec<abi::Meshlet>> = BTreeMap::new();
         for meshlet in &self.meshlets {
-            let [u, v] = self.patches[meshlet.patch as usize].degree;
-            bins[if u == v && (1..=7).contains(&u) { usize::from(u) } else { 0 }].push(*meshlet);
+            let patch = meshlet.patch as usize;
+            let kernel = self.arithmetics[patch].kernel(self.patches[patch].degree);
+            bins.entry(kernel).or_default().push(*meshlet);
         }
-        let name = |degree: usize| if degree == 0 { "evaluate_f32".into() } else { format!("evaluate_f32_d{degree}") };
-        let bins = bins.into_iter().enumerate().filter(|(_, meshlets)| !meshlets.is_empty());
-        bins.map(|(degree, meshlets)| (name(degree), meshlets)).collect()
+        bins.into_iter().map(|(kernel, meshlets)| (kernel.to_string(), meshlets)).collect()
     }
 }
 

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `abi.rs` | the structs of `kernels/abi.h`, made by bindgen |
 //! | `basis.rs` | Bernstein values of a frame's grids |
+//! | `clocks.rs` | what evaluation costs by arithmetic and device; computed, made by tests/kernel_resources |
 //! | `cull.rs` | which patches can be seen |
 //! | `device.rs` | which devices there are, and what is missing where there is none |
 //! | `estimate.rs` | the leaves of all visible patches, with their grids |
@@ -18,6 +19,9 @@
 //! | `session.rs` | a frame's buffers and launches |
 //! | `stream.rs` | a GPU as a frame uses it |
 //! | `trims.rs` | trim trees in a device's memory |
+//! | `precision.rs` | the arithmetics of evaluation, and a bound of each one's error |
+//! | `selection.rs` | which arithmetic a patch is evaluated in |
+//! | `surfaces.rs` | patches for the kernels that evaluate points with normals |
 //!
 //! libcuda is opened when it is first asked for: the program starts where there is no driver.
 
@@ -26,6 +30,8 @@
 #[rustfmt::skip]
 pub mod abi;
 mod basis;
+#[rustfmt::skip]
+mod clocks;
 pub(crate) mod cull;
 // Calls of the driver are the library's only unsafe code.
 #[allow(unsafe_code)]
@@ -37,12 +43,15 @@ mod gpu;
 pub(crate) mod leaves;
 pub(crate) mod meshlets;
 mod module;
+pub mod precision;
 mod scan;
 pub mod scene;
+pub mod selection;
 pub(crate) mod session;
 // Launches and copies are calls of the driver.
 #[allow(unsafe_code)]
 mod stream;
+pub mod surfaces;
 pub mod trims;
 
 pub use device::{Device, Driver, devices, driver};

@@ -41,7 +41,7 @@ fn table(degree: usize, quads: usize) -> Box<[f32]> {
 }
 
 /// All Bernstein polynomials of degree `row.len() - 1` at t, by the triangular recurrence (no cancellation).
-fn bernstein(t: f64, row: &mut [f64]) {
+pub(crate) fn bernstein(t: f64, row: &mut [f64]) {
     row[0] = 1.0;
     for d in 1..row.len() {
         let mut carried = 0.0;

@@ -13,7 +13,7 @@ use glam::{DVec3, DVec4, Vec4};
 /// Largest depth ratio within a leaf; research "tessellation-bounds" section 4c.
 const DEPTH_RATIO: f64 = 3.0;
 /// Pixels of rounding that evaluation may take out of the tolerance.
-pub(super) const ROUNDING_BUDGET: f64 = 1.0 / 256.0;
+pub(crate) const ROUNDING_BUDGET: f64 = 1.0 / 256.0;
 /// Pixels that f32 parameters may be off by where weights differ; next to nothing else.
 const PARAMETER_BUDGET: f64 = 1.0 / 64.0;
 /// Strokes reach a quarter of a pixel past a patch; a whole one is kept.

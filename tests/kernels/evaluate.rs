@@ -1,5 +1,8 @@
 //! evaluate by the GPU's kernels against evaluate by the CPU, on whole frames.
 
+use halfpixel::cuda::abi::SUBPIXELS;
+use halfpixel::cuda::precision::Hull;
+use halfpixel::cuda::selection::{Clocks, Precision};
 use halfpixel::emulated::{Device, Schedule};
 use halfpixel::import;
 use halfpixel::scene::{ViewSpec, prepare};
@@ -34,4 +37,44 @@ fn evaluate_gives_the_same_words() {
         }
     }
     assert_eq!(kernels.len(), KERNELS, "{kernels:?}");
+}
+
+/// Where grids leave room for it, patches are evaluated in cheaper arithmetic, and no vertex is farther off than bounds say.
+#[test]
+fn cheaper_arithmetic_stays_within_its_bounds() {
+    let mut kernels = BTreeSet::new();
+    let cases = [
+        ("builtin:teapot", 0.02, Precision::Auto),
+        ("builtin:stress", 1e-3, Precision::Auto),
+        ("builtin:torus", 0.0, Precision::Tf32Recovered),
+        ("builtin:stress", 0.0, Precision::F16Recovered),
+        ("builtin:trimmed:drilled", 0.0, Precision::F16),
+    ];
+    for (name, rounding, precision) in cases {
+        let model = import::load(name).expect("a model");
+        let scene = prepare(&model, &|_, _| {}).expect("a scene");
+        let view = ViewSpec { size: [160, 120], ..ViewSpec::default() };
+        let camera = view.camera(&scene.bounds).expect("a camera");
+        let (mut staged, expected) = Renderer::new(&scene).staged(&camera, &Options::default()).expect("a frame");
+        staged.patches.iter_mut().for_each(|patch| patch.rounding = rounding);
+        staged.choose(precision, Clocks::of([9, 0]));
+        kernels.extend(staged.bins().into_iter().map(|(kernel, _)| kernel));
+        let found = Device::default().evaluate(&staged).expect("no fault");
+        for meshlet in &staged.meshlets {
+            let patch = &staged.patches[meshlet.patch as usize];
+            let net = &staged.nets[patch.net as usize..];
+            let points = patch.degree.iter().map(|&d| usize::from(d) + 1).product();
+            let hull = Hull::new(&staged.view, patch, &net[..points]);
+            let bounds = [staged.arithmetics[meshlet.patch as usize], Default::default()].map(|a| a.bound(&hull));
+            let off = SUBPIXELS as f64 * bounds.iter().map(|b| b.place).sum::<f64>() + 1.0;
+            let vertices = meshlet.quads.iter().map(|&n| usize::from(n) + 1).product::<usize>();
+            for k in (0..vertices).map(|k| meshlet.vertices as usize + k) {
+                let [a, b] = [&found[k], &expected[k]];
+                let apart = [a.x - b.x, a.y - b.y].map(|d| f64::from(d.abs()));
+                assert!(apart.iter().all(|&d| d <= off), "{name}: {a:?}, {b:?}, {off} sub-pixels");
+            }
+        }
+    }
+    let tensor = ["evaluate_f16", "evaluate_f16_recovered", "evaluate_tf32", "evaluate_tf32_recovered"];
+    assert!(tensor.iter().all(|name| kernels.contains(*name)), "{kernels:?}");
 }

@@ -16,9 +16,19 @@ mod collectives;
 #[cfg(host_kernels)]
 mod evaluate;
 #[cfg(host_kernels)]
+mod evaluate_bounds;
+#[cfg(host_kernels)]
+mod evaluate_mma;
+#[cfg(host_kernels)]
+mod evaluate_normals;
+#[cfg(host_kernels)]
+mod evaluate_scene;
+#[cfg(host_kernels)]
 mod faults;
 #[cfg(host_kernels)]
 mod frame;
+#[path = "../support/fresh.rs"]
+mod fresh;
 #[cfg(host_kernels)]
 mod geometry;
 #[cfg(host_kernels)]

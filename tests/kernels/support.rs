@@ -14,6 +14,11 @@ impl Random {
     pub fn below(&mut self, n: u64) -> u64 {
         self.next() % n
     }
+
+    /// From -1 to 1.
+    pub fn unit(&mut self) -> f64 {
+        self.below(1 << 30) as f64 / f64::from(1 << 29) - 1.0
+    }
 }
 
 /// Runs `test` under every adversarial schedule, on one thread of the CPU and on several; all results must be equal.
