@@ -2,7 +2,7 @@
 // src/scene/trim_tree.rs and trim_segment.rs, where everything is explained; the same operations in the same order.
 #pragma once
 #include "abi.h"
-#include "compat.cuh"
+#include "vector.cuh"
 
 namespace trims {
 
@@ -30,10 +30,6 @@ struct Box {
 
 static __device__ __forceinline__ Box box_around(PlanePoint a, PlanePoint b) {
     return {{min(a.u, b.u), min(a.v, b.v)}, {max(a.u, b.u), max(a.v, b.v)}};
-}
-
-static __device__ __forceinline__ double clamped(double x, double low, double high) {
-    return x < low ? low : x > high ? high : x;
 }
 
 // A segment at work: its ends, from the lower to the upper one, and its homogeneous points.
@@ -140,7 +136,7 @@ template <class Holds> static __device__ __forceinline__ bool passes(const Curve
 }
 
 // The segment has a point in the closed box: the corners across its direction lie on different sides.
-static __device__ bool meets(const Curve &c, const Box &within) {
+static __device__ inline bool meets(const Curve &c, const Box &within) {
     if (!c.bounds().touches(within)) {
         return false;
     }
@@ -167,7 +163,7 @@ inline __device__ __noinline__ bool contains(const Trims &t, uint32_t tree, Plan
         const TrimClip clip = t.clips[node.first + k];
         const bool spans = clip.heights[0] <= p.v && p.v < clip.heights[1];
         const bool right = spans && compares(Curve(t, clip.segment), p, Greater());
-        const bool below = clip.exit != EXIT_NONE && clip.heights[clip.exit == EXIT_UPPER] <= p.v;
+        const bool below = clip.exit != EXIT_NONE && (clip.exit == EXIT_UPPER ? clip.heights[1] : clip.heights[0]) <= p.v;
         inside ^= right != below;
     }
     return inside;

@@ -555,6 +555,438 @@ const _: () = {
     ["Offset of field: TrimPoint::y"][::core::mem::offset_of!(TrimPoint, y) - 8usize];
     ["Offset of field: TrimPoint::w"][::core::mem::offset_of!(TrimPoint, w) - 16usize];
 };
+pub mod BoundRule {
+    #[allow(unused_imports)]
+    use super::*;
+    /// `Bound` in src/stages/options.rs.
+    pub type Type = u32;
+    pub const BOUND_SCREEN: Type = 0;
+    pub const BOUND_ETER: Type = 1;
+    pub const BOUND_FILIP: Type = 2;
+    pub const BOUND_PROJECTIVE: Type = 3;
+    pub const BOUND_SLEFE: Type = 4;
+}
+pub mod GridRule {
+    #[allow(unused_imports)]
+    use super::*;
+    /// `Grid` in src/stages/options.rs.
+    pub type Type = u32;
+    pub const GRID_ADAPTIVE: Type = 0;
+    pub const GRID_VARIABLE: Type = 1;
+    pub const GRID_ETER: Type = 2;
+}
+pub mod CullRule {
+    #[allow(unused_imports)]
+    use super::*;
+    /// `Cull` in src/stages/options.rs.
+    pub type Type = u32;
+    pub const CULL_OFF: Type = 0;
+    pub const CULL_AUTO: Type = 1;
+    pub const CULL_ON: Type = 2;
+}
+/// What cull and estimate go by in a frame, besides its `View`.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Rules {
+    /// A `BoundRule`, a `GridRule`, a `CullRule`.
+    pub bound: u32,
+    pub grid: u32,
+    pub cull: u32,
+    /// The near plane cuts nothing open: solids can only be seen from outside.
+    pub whole: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Rules"][::core::mem::size_of::<Rules>() - 16usize];
+    ["Alignment of Rules"][::core::mem::align_of::<Rules>() - 4usize];
+    ["Offset of field: Rules::bound"][::core::mem::offset_of!(Rules, bound) - 0usize];
+    ["Offset of field: Rules::grid"][::core::mem::offset_of!(Rules, grid) - 4usize];
+    ["Offset of field: Rules::cull"][::core::mem::offset_of!(Rules, cull) - 8usize];
+    ["Offset of field: Rules::whole"][::core::mem::offset_of!(Rules, whole) - 12usize];
+};
+/// A homogeneous control point of the scene: (wx, wy, wz, w) about its patch's origin.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct ControlPoint {
+    pub x: f64,
+    pub y: f64,
+    pub z: f64,
+    pub w: f64,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of ControlPoint"][::core::mem::size_of::<ControlPoint>() - 32usize];
+    ["Alignment of ControlPoint"][::core::mem::align_of::<ControlPoint>() - 16usize];
+    [
+        "Offset of field: ControlPoint::x",
+    ][::core::mem::offset_of!(ControlPoint, x) - 0usize];
+    [
+        "Offset of field: ControlPoint::y",
+    ][::core::mem::offset_of!(ControlPoint, y) - 8usize];
+    [
+        "Offset of field: ControlPoint::z",
+    ][::core::mem::offset_of!(ControlPoint, z) - 16usize];
+    [
+        "Offset of field: ControlPoint::w",
+    ][::core::mem::offset_of!(ControlPoint, w) - 24usize];
+};
+/// Which side of a surface can be seen: `Sides` in src/scene/mod.rs.
+pub const SIDES_BOTH: u32 = 0;
+pub const SIDES_OUTSIDE: u32 = 1;
+pub const SIDES_INSIDE: u32 = 2;
+/// A patch of the scene: `Patch` in src/scene/mod.rs.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct ScenePatch {
+    /// First of its (degree[0] + 1)(degree[1] + 1) control points, v innermost.
+    pub points: u32,
+    pub degree: [u8; 2usize],
+    pub sides: u8,
+    pub rational: u8,
+    pub face: u32,
+    /// Of the face's trims, or NO_TREE.
+    pub tree: u32,
+    pub origin: [f64; 3usize],
+    pub cone_axis: [f64; 3usize],
+    pub cone_cos: f64,
+    /// In the plane of its face's trims: u, v.
+    pub domain: [[f64; 2usize]; 2usize],
+    /// S_uu, S_uv, S_vv.
+    pub enclosure_low: [[f64; 3usize]; 3usize],
+    pub enclosure_high: [[f64; 3usize]; 3usize],
+    pub enclosure_radius: [f64; 3usize],
+    /// Largest gap of the curves along its borders.
+    pub gap: f64,
+    pub rim: u32,
+    pub unused: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of ScenePatch"][::core::mem::size_of::<ScenePatch>() - 288usize];
+    ["Alignment of ScenePatch"][::core::mem::align_of::<ScenePatch>() - 16usize];
+    [
+        "Offset of field: ScenePatch::points",
+    ][::core::mem::offset_of!(ScenePatch, points) - 0usize];
+    [
+        "Offset of field: ScenePatch::degree",
+    ][::core::mem::offset_of!(ScenePatch, degree) - 4usize];
+    [
+        "Offset of field: ScenePatch::sides",
+    ][::core::mem::offset_of!(ScenePatch, sides) - 6usize];
+    [
+        "Offset of field: ScenePatch::rational",
+    ][::core::mem::offset_of!(ScenePatch, rational) - 7usize];
+    [
+        "Offset of field: ScenePatch::face",
+    ][::core::mem::offset_of!(ScenePatch, face) - 8usize];
+    [
+        "Offset of field: ScenePatch::tree",
+    ][::core::mem::offset_of!(ScenePatch, tree) - 12usize];
+    [
+        "Offset of field: ScenePatch::origin",
+    ][::core::mem::offset_of!(ScenePatch, origin) - 16usize];
+    [
+        "Offset of field: ScenePatch::cone_axis",
+    ][::core::mem::offset_of!(ScenePatch, cone_axis) - 40usize];
+    [
+        "Offset of field: ScenePatch::cone_cos",
+    ][::core::mem::offset_of!(ScenePatch, cone_cos) - 64usize];
+    [
+        "Offset of field: ScenePatch::domain",
+    ][::core::mem::offset_of!(ScenePatch, domain) - 72usize];
+    [
+        "Offset of field: ScenePatch::enclosure_low",
+    ][::core::mem::offset_of!(ScenePatch, enclosure_low) - 104usize];
+    [
+        "Offset of field: ScenePatch::enclosure_high",
+    ][::core::mem::offset_of!(ScenePatch, enclosure_high) - 176usize];
+    [
+        "Offset of field: ScenePatch::enclosure_radius",
+    ][::core::mem::offset_of!(ScenePatch, enclosure_radius) - 248usize];
+    [
+        "Offset of field: ScenePatch::gap",
+    ][::core::mem::offset_of!(ScenePatch, gap) - 272usize];
+    [
+        "Offset of field: ScenePatch::rim",
+    ][::core::mem::offset_of!(ScenePatch, rim) - 280usize];
+    [
+        "Offset of field: ScenePatch::unused",
+    ][::core::mem::offset_of!(ScenePatch, unused) - 284usize];
+};
+/// An instance: it draws a range of the scene's patches.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct SceneInstance {
+    /// Columns of the linear part.
+    pub matrix: [[f64; 3usize]; 3usize],
+    pub translation: [f64; 3usize],
+    pub first_patch: u32,
+    /// The number of its first patch among those of all instances.
+    pub first_item: u32,
+    /// Colours of single faces, ascending.
+    pub first_color: u32,
+    pub colors: u32,
+    pub color: [f32; 3usize],
+    pub has_color: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of SceneInstance"][::core::mem::size_of::<SceneInstance>() - 128usize];
+    ["Alignment of SceneInstance"][::core::mem::align_of::<SceneInstance>() - 8usize];
+    [
+        "Offset of field: SceneInstance::matrix",
+    ][::core::mem::offset_of!(SceneInstance, matrix) - 0usize];
+    [
+        "Offset of field: SceneInstance::translation",
+    ][::core::mem::offset_of!(SceneInstance, translation) - 72usize];
+    [
+        "Offset of field: SceneInstance::first_patch",
+    ][::core::mem::offset_of!(SceneInstance, first_patch) - 96usize];
+    [
+        "Offset of field: SceneInstance::first_item",
+    ][::core::mem::offset_of!(SceneInstance, first_item) - 100usize];
+    [
+        "Offset of field: SceneInstance::first_color",
+    ][::core::mem::offset_of!(SceneInstance, first_color) - 104usize];
+    [
+        "Offset of field: SceneInstance::colors",
+    ][::core::mem::offset_of!(SceneInstance, colors) - 108usize];
+    [
+        "Offset of field: SceneInstance::color",
+    ][::core::mem::offset_of!(SceneInstance, color) - 112usize];
+    [
+        "Offset of field: SceneInstance::has_color",
+    ][::core::mem::offset_of!(SceneInstance, has_color) - 124usize];
+};
+/// What a face is coloured.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct FaceColor {
+    pub face: u32,
+    pub color: [f32; 3usize],
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of FaceColor"][::core::mem::size_of::<FaceColor>() - 16usize];
+    ["Alignment of FaceColor"][::core::mem::align_of::<FaceColor>() - 4usize];
+    [
+        "Offset of field: FaceColor::face",
+    ][::core::mem::offset_of!(FaceColor, face) - 0usize];
+    [
+        "Offset of field: FaceColor::color",
+    ][::core::mem::offset_of!(FaceColor, color) - 4usize];
+};
+/// One more than the most quads along a side of a leaf: 7 x 7 blocks round 2^12 up.
+pub const BASIS_SIDES: u32 = 4103;
+/// What becomes of a patch in an instance: `state` of an item.
+pub const ITEM_CULLED: u32 = 0;
+/// Drawn as a whole.
+pub const ITEM_WHOLE: u32 = 1;
+/// Drawn in parts, if at all.
+pub const ITEM_SPLIT: u32 = 2;
+/// A patch that is not culled, and its grid where it is drawn as a whole.
+#[repr(C)]
+#[repr(align(8))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Visible {
+    pub item: u32,
+    pub state: u32,
+    pub quads: [u16; 2usize],
+    pub diagonal: u32,
+    pub deviation: [f32; 2usize],
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Visible"][::core::mem::size_of::<Visible>() - 24usize];
+    ["Alignment of Visible"][::core::mem::align_of::<Visible>() - 8usize];
+    ["Offset of field: Visible::item"][::core::mem::offset_of!(Visible, item) - 0usize];
+    [
+        "Offset of field: Visible::state",
+    ][::core::mem::offset_of!(Visible, state) - 4usize];
+    [
+        "Offset of field: Visible::quads",
+    ][::core::mem::offset_of!(Visible, quads) - 8usize];
+    [
+        "Offset of field: Visible::diagonal",
+    ][::core::mem::offset_of!(Visible, diagonal) - 12usize];
+    [
+        "Offset of field: Visible::deviation",
+    ][::core::mem::offset_of!(Visible, deviation) - 16usize];
+};
+/// What stops a frame, with the item at which it happens.
+pub const ERROR_TOO_MANY_LEAVES: u32 = 1;
+pub const ERROR_TOO_CLOSE: u32 = 2;
+pub const ERROR_GRID_TOO_LARGE: u32 = 3;
+pub const ERROR_TOLERANCE: u32 = 4;
+pub const NO_ERROR: u64 = 18446744073709551615;
+/// What estimate counts.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Counters {
+    /// The least `item << 8 | error`, or NO_ERROR.
+    pub error: u64,
+    /// Control points of parts.
+    pub part_points: u64,
+    /// Patches that are to be split, and how many of them have been taken.
+    pub split: u32,
+    pub taken: u32,
+    /// Leaves that splitting makes; they may be more than there is room for.
+    pub parts: u32,
+    /// Patches of which something is drawn.
+    pub visible: u32,
+    /// A warp's list of halves was too short.
+    pub short_of_halves: u32,
+    pub unused: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Counters"][::core::mem::size_of::<Counters>() - 40usize];
+    ["Alignment of Counters"][::core::mem::align_of::<Counters>() - 8usize];
+    [
+        "Offset of field: Counters::error",
+    ][::core::mem::offset_of!(Counters, error) - 0usize];
+    [
+        "Offset of field: Counters::part_points",
+    ][::core::mem::offset_of!(Counters, part_points) - 8usize];
+    [
+        "Offset of field: Counters::split",
+    ][::core::mem::offset_of!(Counters, split) - 16usize];
+    [
+        "Offset of field: Counters::taken",
+    ][::core::mem::offset_of!(Counters, taken) - 20usize];
+    [
+        "Offset of field: Counters::parts",
+    ][::core::mem::offset_of!(Counters, parts) - 24usize];
+    [
+        "Offset of field: Counters::visible",
+    ][::core::mem::offset_of!(Counters, visible) - 28usize];
+    [
+        "Offset of field: Counters::short_of_halves",
+    ][::core::mem::offset_of!(Counters, short_of_halves) - 32usize];
+    [
+        "Offset of field: Counters::unused",
+    ][::core::mem::offset_of!(Counters, unused) - 36usize];
+};
+/** A part of a patch by the halvings that lead to it, the first one in the lowest bit: which way they cut (0: across u) and
+ which half they took (0: the lower one); and its grid.*/
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Half {
+    pub axes: [u64; 2usize],
+    pub sides: [u64; 2usize],
+    pub depth: u32,
+    pub diagonal: u32,
+    pub quads: [u32; 2usize],
+    pub deviation: [f32; 2usize],
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Half"][::core::mem::size_of::<Half>() - 56usize];
+    ["Alignment of Half"][::core::mem::align_of::<Half>() - 8usize];
+    ["Offset of field: Half::axes"][::core::mem::offset_of!(Half, axes) - 0usize];
+    ["Offset of field: Half::sides"][::core::mem::offset_of!(Half, sides) - 16usize];
+    ["Offset of field: Half::depth"][::core::mem::offset_of!(Half, depth) - 32usize];
+    [
+        "Offset of field: Half::diagonal",
+    ][::core::mem::offset_of!(Half, diagonal) - 36usize];
+    ["Offset of field: Half::quads"][::core::mem::offset_of!(Half, quads) - 40usize];
+    [
+        "Offset of field: Half::deviation",
+    ][::core::mem::offset_of!(Half, deviation) - 48usize];
+};
+/// A leaf whose halves are tried: places in a warp's list of halves.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct HalvedLeaf {
+    /// Its halves, and the next one to be looked at.
+    pub first: u32,
+    pub next: u32,
+    pub end: u32,
+    /// More halvings that may pass without a gain.
+    pub tries: u32,
+    /// Quads of its own grid, and of the parts found so far.
+    pub quads: u32,
+    pub part_quads: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of HalvedLeaf"][::core::mem::size_of::<HalvedLeaf>() - 24usize];
+    ["Alignment of HalvedLeaf"][::core::mem::align_of::<HalvedLeaf>() - 4usize];
+    [
+        "Offset of field: HalvedLeaf::first",
+    ][::core::mem::offset_of!(HalvedLeaf, first) - 0usize];
+    [
+        "Offset of field: HalvedLeaf::next",
+    ][::core::mem::offset_of!(HalvedLeaf, next) - 4usize];
+    [
+        "Offset of field: HalvedLeaf::end",
+    ][::core::mem::offset_of!(HalvedLeaf, end) - 8usize];
+    [
+        "Offset of field: HalvedLeaf::tries",
+    ][::core::mem::offset_of!(HalvedLeaf, tries) - 12usize];
+    [
+        "Offset of field: HalvedLeaf::quads",
+    ][::core::mem::offset_of!(HalvedLeaf, quads) - 16usize];
+    [
+        "Offset of field: HalvedLeaf::part_quads",
+    ][::core::mem::offset_of!(HalvedLeaf, part_quads) - 20usize];
+};
+/// Where a leaf that splitting made belongs: its visible patch, and its number among the leaves of it.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct PartPlace {
+    pub visible: u32,
+    pub number: u32,
+    /// First of its control points in the list of parts.
+    pub net: u32,
+    pub unused: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of PartPlace"][::core::mem::size_of::<PartPlace>() - 16usize];
+    ["Alignment of PartPlace"][::core::mem::align_of::<PartPlace>() - 4usize];
+    [
+        "Offset of field: PartPlace::visible",
+    ][::core::mem::offset_of!(PartPlace, visible) - 0usize];
+    [
+        "Offset of field: PartPlace::number",
+    ][::core::mem::offset_of!(PartPlace, number) - 4usize];
+    [
+        "Offset of field: PartPlace::net",
+    ][::core::mem::offset_of!(PartPlace, net) - 8usize];
+    [
+        "Offset of field: PartPlace::unused",
+    ][::core::mem::offset_of!(PartPlace, unused) - 12usize];
+};
+/// What becomes of a block of a leaf's grid: its leaf has no trims; it is looked at; all of it lies outside the trims.
+pub const BLOCK_FREE: u32 = 0;
+pub const BLOCK_CUT: u32 = 1;
+pub const BLOCK_OUTSIDE: u32 = 2;
+/// What the meshlet list counts.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct MeshletCounts {
+    pub quads: u64,
+    /// Meshlets of trimmed leaves that no curve crosses.
+    pub inside: u32,
+    pub unused: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of MeshletCounts"][::core::mem::size_of::<MeshletCounts>() - 16usize];
+    ["Alignment of MeshletCounts"][::core::mem::align_of::<MeshletCounts>() - 8usize];
+    [
+        "Offset of field: MeshletCounts::quads",
+    ][::core::mem::offset_of!(MeshletCounts, quads) - 0usize];
+    [
+        "Offset of field: MeshletCounts::inside",
+    ][::core::mem::offset_of!(MeshletCounts, inside) - 8usize];
+    [
+        "Offset of field: MeshletCounts::unused",
+    ][::core::mem::offset_of!(MeshletCounts, unused) - 12usize];
+};
 /// A point of a surface and its unit normal: what ETER's table 1 counts.
 #[repr(C)]
 #[repr(align(8))]

@@ -8,7 +8,6 @@ use crate::stages::estimate::Tessellation;
 use crate::stages::evaluate::Meshlets;
 use crate::stages::lens::Lens;
 use crate::stages::{Fill, Interpolation, Options, Trim, basis::BasisTables};
-use foldhash::{HashMap, HashMapExt};
 use std::collections::BTreeMap;
 
 /// Meshlets a block of the kernels evaluates, a warp each.
@@ -43,16 +42,17 @@ impl Staged {
         meshlets: &Meshlets,
     ) -> Self {
         let mut staged = Self { view: view(lens, options), vertices: meshlets.vertices.len(), ..Self::default() };
-        let mut places: HashMap<(usize, u32), u32> = HashMap::new();
+        // In order of degree and size: no thread of a device needs to know who came first.
+        let mut places: BTreeMap<(usize, u32), u32> = BTreeMap::new();
         for (leaf, grid) in leaves.leaves.iter().zip(grids) {
-            let basis = [0, 1].map(|k| {
-                let (degree, quads) = (leaf.degree[k], grid.quads[k]);
-                *places.entry((degree, quads)).or_insert_with(|| {
-                    let start = staged.basis.len() as u32;
-                    tables.with(degree, quads, |table| staged.basis.extend_from_slice(table));
-                    start
-                })
-            });
+            places.extend([0, 1].map(|k| ((leaf.degree[k], grid.quads[k]), 0)));
+        }
+        for (&(degree, quads), start) in &mut places {
+            *start = staged.basis.len() as u32;
+            tables.with(degree, quads, |table| staged.basis.extend_from_slice(table));
+        }
+        for (leaf, grid) in leaves.leaves.iter().zip(grids) {
+            let basis = [0, 1].map(|k| places[&(leaf.degree[k], grid.quads[k])]);
             staged.patches.push(abi::Patch {
                 net: leaf.net,
                 basis,
@@ -106,7 +106,7 @@ impl Staged {
     }
 }
 
-fn view(lens: &Lens, options: &Options) -> abi::View {
+pub(crate) fn view(lens: &Lens, options: &Options) -> abi::View {
     abi::View {
         eye: lens.eye.to_array(),
         axes: lens.axes.map(|axis| axis.to_array()),

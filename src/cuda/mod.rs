@@ -3,13 +3,19 @@
 //! | file | what it does |
 //! |---|---|
 //! | `abi.rs` | the structs of `kernels/abi.h`, made by bindgen |
+//! | `basis.rs` | Bernstein values of a frame's grids |
 //! | `clocks.rs` | what evaluation costs by arithmetic and device; computed, made by tests/kernel_resources |
+//! | `cull.rs` | which patches can be seen |
 //! | `device.rs` | which devices there are, and what is missing where there is none |
+//! | `estimate.rs` | the leaves of all visible patches, with their grids |
 //! | `evaluate.rs` | a frame's patches and meshlets as `kernels/abi.h` describes them |
 //! | `frame.rs` | the staged frame: which kernels run, one stage after the other |
 //! | `gpu.rs` | memory and launches: what a frame needs of a device |
 //! | `leaves.rs` | what the stages that draw a patch know of it |
+//! | `meshlets.rs` | the list of meshlets |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
+//! | `scan.rs` | prefix sums |
+//! | `scene.rs` | a scene in a device's memory |
 //! | `session.rs` | a frame's buffers and launches |
 //! | `stream.rs` | a GPU as a frame uses it |
 //! | `trims.rs` | trim trees in a device's memory |
@@ -23,20 +29,26 @@
 #[allow(missing_docs, non_snake_case)]
 #[rustfmt::skip]
 pub mod abi;
+mod basis;
 #[rustfmt::skip]
 mod clocks;
+pub(crate) mod cull;
 // Calls of the driver are the library's only unsafe code.
 #[allow(unsafe_code)]
 mod device;
+pub(crate) mod estimate;
 pub mod evaluate;
 pub(crate) mod frame;
 mod gpu;
 pub(crate) mod leaves;
+pub(crate) mod meshlets;
 mod module;
-mod session;
-// Launches and copies are calls of the driver.
 pub mod precision;
+mod scan;
+pub mod scene;
 pub mod selection;
+pub(crate) mod session;
+// Launches and copies are calls of the driver.
 #[allow(unsafe_code)]
 mod stream;
 pub mod surfaces;

@@ -21,7 +21,7 @@ const MARGIN: f64 = 1.0;
 /// Halvings of a patch, of both directions together: 2^-50 of either range is all that f64 can tell apart.
 const MAX_DEPTH: u32 = 100;
 /// Leaves one patch may be split into.
-const MAX_LEAVES: usize = 1 << 20;
+pub(super) const MAX_LEAVES: usize = 1 << 20;
 
 /// A drawn piece of a patch.
 #[derive(Clone, Debug)]

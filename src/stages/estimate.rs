@@ -19,7 +19,7 @@ const HALVES_KEPT: f64 = 0.875;
 /// Halvings that may save nothing before one that does.
 const LOOK_AHEAD: u32 = 1;
 /// Vertices of all grids together, 16 bytes each: 4 GiB.
-const MAX_VERTICES: u64 = 1 << 28;
+pub(super) const MAX_VERTICES: u64 = 1 << 28;
 /// Splitting can't mend a grid once a leaf is this small a part of its patch.
 const MAX_DEPTH: u32 = 40;
 

@@ -5,6 +5,7 @@ mod bounds;
 mod cone;
 pub(crate) mod cull;
 mod device;
+mod device_geometry;
 pub(crate) mod estimate;
 pub(crate) mod evaluate;
 mod fill;
@@ -34,6 +35,7 @@ mod trim_texture;
 mod tests;
 
 pub use device::Engine;
+pub use device_geometry::GeometryCounts;
 pub use frame::{Frame, Pixel, RenderError, Renderer};
 pub use options::{Bound, Cull, Fill, Grid, Interpolation, Options, Show, Trim};
 pub use stats::{StageTime, Stats};

@@ -15,14 +15,19 @@ use std::fs;
 const TABLE: &str = "bench/results/kernel-resources.md";
 
 /// Kernels that keep something in local memory: Bernstein values of any degree beyond 3, what calls save, and registers
-/// where sub-pixels take 64 bits.
-const MAY_STACK: [&str; 9] = [
+/// where sub-pixels take 64 bits. And what few patches go through: comparison bounds, halvings, questions to trim trees.
+const MAY_STACK: [&str; 14] = [
+    "cull_patches",
+    "estimate_patches",
+    "meshlet_drop",
+    "meshlet_region",
     "rasterize_strokes",
     "settle_find",
     "settle_search",
     "shade_filled",
     "shade_pixels",
     "shade_refuse",
+    "split_patches",
     "trim_fragments",
     "trim_meshlets",
     "trim_strokes",

@@ -30,6 +30,8 @@ mod frame;
 #[path = "../support/fresh.rs"]
 mod fresh;
 #[cfg(host_kernels)]
+mod geometry;
+#[cfg(host_kernels)]
 mod numbers;
 #[cfg(host_kernels)]
 mod products;

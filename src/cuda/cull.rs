@@ -1,0 +1,70 @@
+//! cull, host side: which patches of which instances can be seen. Twin of src/stages/cull.rs.
+
+use super::scan::scan;
+use super::scene::SceneOnDevice;
+use super::session::Session;
+use super::{Buffer, Gpu, GpuError, Pod, abi};
+use crate::stages::lens::Lens;
+use crate::stages::{Bound, Cull, Grid, Options};
+
+macro_rules! pods {
+    ($($structure:ident)*) => { $(
+        // SAFETY: made by bindgen from what the kernels include, and plain numbers that fill all of it.
+        #[allow(unsafe_code)]
+        unsafe impl Pod for abi::$structure {}
+    )* };
+}
+pods!(Rules Visible);
+
+/// A scene as one frame sees it.
+pub(crate) struct Seen<'a> {
+    pub scene: &'a SceneOnDevice,
+    pub view: abi::View,
+    pub rules: abi::Rules,
+}
+
+/// What cull and estimate go by. `whole`: the near plane cuts nothing open.
+pub(crate) fn rules(lens: &Lens, options: &Options, whole: bool) -> abi::Rules {
+    debug_assert!(lens.near > 0.0);
+    abi::Rules {
+        bound: match options.bound {
+            Bound::Screen => abi::BoundRule::BOUND_SCREEN,
+            Bound::Eter => abi::BoundRule::BOUND_ETER,
+            Bound::Filip => abi::BoundRule::BOUND_FILIP,
+            Bound::Projective => abi::BoundRule::BOUND_PROJECTIVE,
+            Bound::Slefe => abi::BoundRule::BOUND_SLEFE,
+        },
+        grid: match options.grid {
+            Grid::Adaptive => abi::GridRule::GRID_ADAPTIVE,
+            Grid::Variable => abi::GridRule::GRID_VARIABLE,
+            Grid::Eter => abi::GridRule::GRID_ETER,
+        },
+        cull: match options.cull {
+            Cull::Off => abi::CullRule::CULL_OFF,
+            Cull::Auto => abi::CullRule::CULL_AUTO,
+            Cull::On => abi::CullRule::CULL_ON,
+        },
+        whole: whole.into(),
+    }
+}
+
+/// The patches that are not culled, in the order of instances and patches.
+pub(crate) fn cull<G: Gpu>(session: &mut Session<G>, seen: &Seen) -> Result<Buffer<abi::Visible>, GpuError> {
+    let Seen { scene, view, rules } = seen;
+    let items = scene.items as usize;
+    let (states, kept) = (session.allocate::<u8>(items)?, session.allocate::<u32>(items)?);
+    let (pointers, instances) = (scene.pointers(), scene.instances());
+    session.for_each(
+        "cull_patches",
+        items,
+        &[view, rules, &pointers, &instances, &scene.items, &states.pointer(), &kept.pointer()],
+    )?;
+    let (slots, count) = scan(session, &kept)?;
+    let visible = session.allocate(count as usize)?;
+    session.for_each(
+        "cull_compact",
+        items,
+        &[&scene.items, &states.pointer(), &slots.pointer(), &visible.pointer()],
+    )?;
+    Ok(visible)
+}

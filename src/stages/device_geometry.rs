@@ -1,0 +1,132 @@
+//! cull, estimate and the list of meshlets by a device's kernels: the CPU's own words.
+
+use super::Options;
+use super::cull::{Culler, Leaves};
+use super::estimate::estimate;
+use super::frame::{RenderError, Renderer};
+use super::lens::Lens;
+use super::topology::MAX_MESHLETS;
+use crate::cuda::cull::{Seen, rules};
+use crate::cuda::estimate::Stopped;
+use crate::cuda::evaluate::{Staged, view};
+use crate::cuda::scene::SceneOnDevice;
+use crate::cuda::session::Session;
+use crate::cuda::{Gpu, GpuError, abi, cull, estimate as grids, meshlets};
+use crate::scene::Camera;
+use std::sync::atomic::AtomicU64;
+
+/// What the geometry stages counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct GeometryCounts {
+    pub patches_visible: u64,
+    pub quads: u64,
+    /// Of patches that loops cut: as in `TrimCounts`.
+    pub meshlets_outside: u64,
+    pub meshlets_inside: u64,
+}
+
+/// What the geometry stages left on a device.
+pub(crate) struct DeviceGeometry {
+    pub leaves: grids::Leaves,
+    pub meshlets: meshlets::Meshlets,
+}
+
+impl Renderer<'_> {
+    /// Cull, estimate and the list of meshlets on a device; `ended` is told of the first two's ends.
+    pub(crate) fn geometry_on<G: Gpu>(
+        &self,
+        session: &mut Session<G>,
+        scene: &SceneOnDevice,
+        camera: &Camera,
+        options: &Options,
+        ended: &mut dyn FnMut(&'static str),
+    ) -> Result<DeviceGeometry, RenderError> {
+        let lens = Lens::new(camera);
+        let whole = lens.shows_whole(self.scene.bounds.center(), self.scene.bounds.radius());
+        let seen = Seen { scene, view: view(&lens, options), rules: rules(&lens, options, whole) };
+        let visible = cull::cull(session, &seen)?;
+        session.finish()?;
+        ended("cull");
+        let why = |stopped| self.why(&lens, options, stopped);
+        let leaves = grids::estimate(session, &seen, visible).map_err(why)?;
+        session.finish()?;
+        ended("estimate");
+        let meshlets = meshlets::meshlets(session, &seen, &leaves).map_err(why)?;
+        Ok(DeviceGeometry { leaves, meshlets })
+    }
+
+    /// What `Renderer::staged` makes, by a device's kernels.
+    pub fn staged_on<G: Gpu>(
+        &self,
+        gpu: &mut G,
+        camera: &Camera,
+        options: &Options,
+    ) -> Result<(Staged, GeometryCounts), RenderError> {
+        self.check(options)?;
+        let scene = SceneOnDevice::upload(gpu, self.scene)?;
+        let mut session = Session::new(gpu);
+        let geometry = self.geometry_on(&mut session, &scene, camera, options, &mut |_| {});
+        let staged = geometry.and_then(|geometry| {
+            let staged = download(&mut session, &geometry)?;
+            Ok((Staged { view: view(&Lens::new(camera), options), ..staged }, geometry.counts()))
+        });
+        session.free()?;
+        scene.free(gpu)?;
+        staged
+    }
+
+    /// The CPU's own words for what stopped a device.
+    fn why(&self, lens: &Lens, options: &Options, stopped: Stopped) -> RenderError {
+        match stopped {
+            Stopped::Gpu(error) => error.into(),
+            Stopped::Vertices => RenderError::TooManyVertices { limit: super::estimate::MAX_VERTICES },
+            Stopped::Meshlets { needed } => RenderError::TooManyMeshlets { needed, limit: MAX_MESHLETS },
+            Stopped::Item { item, error } => self.why_item(lens, options, item, error),
+        }
+    }
+
+    /// The patch again, by the CPU: its error says all.
+    fn why_item(&self, lens: &Lens, options: &Options, item: u32, error: u32) -> RenderError {
+        let mut number = item as usize;
+        let mut instances = self.scene.instances.iter().enumerate();
+        let found = instances.find_map(|(k, instance)| {
+            let patch = instance.patches.clone().nth(number);
+            number = number.saturating_sub(instance.patches.len());
+            patch.map(|patch| (k as u32, patch as u32))
+        });
+        let (instance, patch) = found.unwrap_or_default();
+        let mut culler = Culler::new(self.scene, lens, options);
+        let mut leaves = Leaves::default();
+        let culled = culler.patch(instance, patch, &mut leaves);
+        let estimated = culled.and_then(|()| estimate(&mut culler, leaves, &AtomicU64::new(0)));
+        let face = self.scene.faces[self.scene.patches[patch as usize].face as usize].id;
+        estimated.err().unwrap_or(match error {
+            abi::ERROR_TOO_CLOSE => RenderError::TooClose { face, patch },
+            _ => RenderError::TooManyLeaves { face, patch, limit: super::cull::MAX_LEAVES },
+        })
+    }
+}
+
+impl DeviceGeometry {
+    pub fn counts(&self) -> GeometryCounts {
+        GeometryCounts {
+            patches_visible: self.leaves.patches_visible,
+            quads: self.meshlets.quads,
+            meshlets_outside: self.meshlets.outside,
+            meshlets_inside: self.meshlets.inside,
+        }
+    }
+}
+
+fn download<G: Gpu>(session: &mut Session<G>, geometry: &DeviceGeometry) -> Result<Staged, GpuError> {
+    let DeviceGeometry { leaves, meshlets } = geometry;
+    Ok(Staged {
+        patches: session.download(&leaves.patches)?,
+        leaves: session.download(&leaves.leaves)?,
+        meshlets: session.download(&meshlets.meshlets)?,
+        nets: session.download(&leaves.nets)?,
+        basis: session.download(&leaves.basis)?,
+        vertices: meshlets.vertices as usize,
+        ..Staged::default()
+    })
+}
