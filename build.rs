@@ -166,7 +166,6 @@ fn arguments() -> Vec<String> {
         // Profilers show lines; costs no instruction.
         "-lineinfo",
         "--compress-mode=size",
-        "-Xptxas=--warn-on-spills",
         // One thread a target and core.
         "--threads=0",
     ]

@@ -165,6 +165,119 @@ struct alignas(16) Vertex {
     float weight;
 };
 
+/// A pixel that is not settled yet: the exact surface is asked what it shows.
+struct alignas(16) Filled {
+    /// What it shows if nothing better is found: a visibility word.
+    uint64_t near;
+    /// The nearest surface that was found, or 0.
+    uint64_t best;
+    uint32_t pixel;
+    /// Stored depth: only what is nearer counts.
+    float behind;
+    /// Patch parameters that are known: of `near` before the search (it need not be found again), of `best` after it.
+    float start[2];
+    uint32_t has_start;
+    /// First and number of its candidates.
+    uint32_t first;
+    uint32_t candidates;
+    /// Number of the start that found `best`.
+    uint32_t winner;
+};
+
+/// What a triangle shows at a pixel, before its trims are asked.
+struct alignas(16) Fragment {
+    uint64_t word;
+    uint32_t pixel;
+    uint32_t unused;
+};
+
+/// Where the search for a pixel's surface begins.
+struct Start {
+    /// Patch parameters, before and after.
+    float parameters[2];
+    /// Its triangle: the lower half of a visibility word.
+    uint32_t triangle;
+    /// NO_PATCH: there is none.
+    uint32_t patch;
+    /// Number of its pixel in the list.
+    uint32_t slot;
+    /// Stored depth that it found; 0: nothing.
+    float depth;
+};
+static const uint32_t NO_PATCH = 0xffffffff;
+
+/// How well the point that a pixel shows is known: `DoubtKind` in src/stages/settle.rs.
+static const uint32_t DOUBT_NONE = 0;
+/// Under the pixel's centre, but elsewhere in depth.
+static const uint32_t DOUBT_DEEP = 1;
+/// Not under the centre, or of the inside of a solid.
+static const uint32_t DOUBT_BESIDE = 2;
+/// Not under the centre, since the patch ends before.
+static const uint32_t DOUBT_ENDED = 3;
+
+/// Where a box of parameters lies: `Region` in src/scene/trim_tree.rs.
+enum Region : uint32_t {
+    REGION_INSIDE = 0,
+    REGION_OUTSIDE = 1,
+    /// A trim curve meets the box.
+    REGION_BOUNDARY = 2,
+};
+
+/// A face's trim loops: a kd-tree in the lists of all trees. src/scene/trim_tree.rs has the meaning of each.
+struct TrimTree {
+    /// Lowest and highest (u, v).
+    double low[2];
+    double high[2];
+    /// Largest gap of its curves.
+    double gap;
+    uint32_t root;
+    uint32_t unused;
+};
+
+/// `tag` of a node: the axis of a split, or this and above for a cell.
+static const uint32_t NODE_CELL = 2;
+/// `tag` of a cell: the lower end of its right side is inside. Its number of clips stands above.
+static const uint32_t NODE_INSIDE = 1;
+static const uint32_t NODE_COUNT_SHIFT = 2;
+
+/// Two children, lower and upper, or a cell with its clips.
+struct alignas(16) TrimNode {
+    /// Where it is split.
+    double at;
+    /// First child, or first clip.
+    uint32_t first;
+    uint32_t tag;
+};
+
+/// `exit` of a clip: the height at which it leaves through its cell's right side.
+static const uint32_t EXIT_NONE = 0;
+static const uint32_t EXIT_LOWER = 1;
+static const uint32_t EXIT_UPPER = 2;
+
+/// A segment within one cell, between two heights.
+struct TrimClip {
+    double heights[2];
+    uint32_t segment;
+    uint32_t exit;
+};
+
+/// A monotone piece of a trim curve, from its lower end to its upper.
+struct alignas(16) TrimSegment {
+    /// (u, v).
+    double ends[2][2];
+    double gap;
+    /// Its points; none where it is straight.
+    uint32_t first;
+    uint32_t count;
+};
+
+/// (wu, wv, w).
+struct TrimPoint {
+    double x;
+    double y;
+    double w;
+};
+
 /// A point of a surface and its unit normal: what ETER's table 1 counts.
 struct alignas(8) SurfacePoint {
     float position[3];

@@ -46,7 +46,7 @@ pub fn run(args: Args) -> Result<ExitCode> {
     let sweep = args.sweep.resolve(&args.frame, &USUAL)?;
     args.frame.model.install(|| {
         let (loaded, scene) = args.frame.model.load_scene()?;
-        let mut subject = Subject::new(&loaded.name, &scene, args.effort);
+        let mut subject = Subject::new(&loaded.name, &scene, args.effort, args.frame.backend.engine()?);
         let rows = measure(&mut subject, &sweep)?;
         if let Some(prefix) = &args.output {
             write(prefix, &rows)?;

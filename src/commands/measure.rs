@@ -3,7 +3,7 @@
 use super::used::Used;
 use crate::report::{Counts, Errors, Machine, Measured, Outcome, Row, Setting, Shot, Spread, name, stage_spreads};
 use crate::scene::{Camera, Scene, ViewSpec};
-use crate::stages::{Frame, Options, RenderError, Renderer, Stats};
+use crate::stages::{Engine, Frame, Options, RenderError, Renderer, Stats};
 use crate::verify::{Sampling, verify};
 use anyhow::Result;
 use std::path::Path;
@@ -45,10 +45,13 @@ pub struct Timed {
 }
 
 impl<'a> Subject<'a> {
-    pub fn new(model: &str, scene: &'a Scene, effort: Effort) -> Self {
+    pub fn new(model: &str, scene: &'a Scene, effort: Effort, engine: Engine) -> Self {
         let name = Path::new(model).file_name().map_or(model.into(), |name| name.to_string_lossy());
-        let machine = Machine::here(rayon::current_num_threads());
-        Self { model: name.into_owned(), scene, effort, machine, renderer: Renderer::new(scene) }
+        let mut machine = Machine::here(rayon::current_num_threads());
+        if let Some(gpu) = engine.gpu() {
+            machine.device = gpu;
+        }
+        Self { model: name.into_owned(), scene, effort, machine, renderer: Renderer::with(scene, engine) }
     }
 
     /// Measures one configuration. A frame that is declined is a row with the reason, not a failure.
@@ -93,7 +96,7 @@ impl<'a> Subject<'a> {
 
     /// The row of a finished run.
     pub fn labelled(&self, view: &ViewSpec, options: &Options, outcome: Outcome) -> Row {
-        let used = Used::new(options);
+        let used = Used::new(options, self.renderer.engine());
         Row {
             model: self.model.clone(),
             shot: shot(view),

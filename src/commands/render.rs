@@ -73,7 +73,8 @@ fn draw(args: &Args, format: ImageFormat) -> Result<Report<'_>> {
     drop(model);
     let prepared = start.elapsed();
     let (camera, options) = (args.frame.camera(&scene)?, args.frame.options());
-    let frame = Renderer::new(&scene).render(&camera, &options).with_context(|| name)?;
+    let mut renderer = Renderer::with(&scene, args.frame.backend.engine()?);
+    let frame = renderer.render(&camera, &options).with_context(|| name)?;
     let coarse = frame.stats.trim.textures_too_coarse;
     if coarse > 0 {
         output::warning_line(&format!("{coarse} trim textures have too few texels for the tolerance: use --trim on"));
@@ -87,7 +88,7 @@ fn draw(args: &Args, format: ImageFormat) -> Result<Report<'_>> {
         source,
         output: &args.output,
         size: camera.size,
-        used: Used::new(&options),
+        used: Used::new(&options, renderer.engine()),
         options,
         stats,
         lost_faces,

@@ -1,7 +1,7 @@
 //! What a frame really used, for every output that states a measurement.
 
 pub use crate::report::cpu_name;
-use crate::stages::{Bound, Fill, Grid, Options};
+use crate::stages::{Bound, Engine, Fill, Grid, Options};
 use fearless_simd::Level;
 use serde::Serialize;
 
@@ -20,14 +20,14 @@ pub struct Used {
 
 impl Used {
     /// What a frame with these options uses on the current thread pool.
-    pub fn new(options: &Options) -> Self {
+    pub fn new(options: &Options, engine: &Engine) -> Self {
         Self {
-            backend: "cpu",
+            backend: engine.name(),
             raster: "software",
             bound: options.bound,
             fill: options.fill,
             grid: options.grid,
-            device: cpu_name(),
+            device: engine.gpu().unwrap_or_else(cpu_name),
             threads: rayon::current_num_threads(),
         }
     }

@@ -73,7 +73,8 @@ fn check(args: &Args) -> Result<Verification> {
     let scene = prepare_model(&model).with_context(|| name.clone())?;
     drop(model);
     let (camera, options) = (args.frame.camera(&scene)?, args.frame.options());
-    let frame = Renderer::new(&scene).render(&camera, &options).with_context(|| name)?;
+    let mut renderer = Renderer::with(&scene, args.frame.backend.engine()?);
+    let frame = renderer.render(&camera, &options).with_context(|| name)?;
     let bar = progress_bar("checking");
     let sampling = Sampling { samples: args.samples, seed: args.seed };
     let report = verify(&scene, &camera, &options, &|x, y| frame.pixel(x, y), &sampling, &|done, all| {
@@ -85,7 +86,7 @@ fn check(args: &Args) -> Result<Verification> {
     Ok(Verification {
         source,
         size: camera.size,
-        used: Used::new(&options),
+        used: Used::new(&options, renderer.engine()),
         interpolation: options.bound.interpolation(),
         tolerance: options.tolerance,
         refine: options.refine,

@@ -316,6 +316,245 @@ const _: () = {
         "Offset of field: Vertex::weight",
     ][::core::mem::offset_of!(Vertex, weight) - 12usize];
 };
+/// A pixel that is not settled yet: the exact surface is asked what it shows.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Filled {
+    /// What it shows if nothing better is found: a visibility word.
+    pub near: u64,
+    /// The nearest surface that was found, or 0.
+    pub best: u64,
+    pub pixel: u32,
+    /// Stored depth: only what is nearer counts.
+    pub behind: f32,
+    /// Patch parameters that are known: of `near` before the search (it need not be found again), of `best` after it.
+    pub start: [f32; 2usize],
+    pub has_start: u32,
+    /// First and number of its candidates.
+    pub first: u32,
+    pub candidates: u32,
+    /// Number of the start that found `best`.
+    pub winner: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Filled"][::core::mem::size_of::<Filled>() - 48usize];
+    ["Alignment of Filled"][::core::mem::align_of::<Filled>() - 16usize];
+    ["Offset of field: Filled::near"][::core::mem::offset_of!(Filled, near) - 0usize];
+    ["Offset of field: Filled::best"][::core::mem::offset_of!(Filled, best) - 8usize];
+    ["Offset of field: Filled::pixel"][::core::mem::offset_of!(Filled, pixel) - 16usize];
+    [
+        "Offset of field: Filled::behind",
+    ][::core::mem::offset_of!(Filled, behind) - 20usize];
+    ["Offset of field: Filled::start"][::core::mem::offset_of!(Filled, start) - 24usize];
+    [
+        "Offset of field: Filled::has_start",
+    ][::core::mem::offset_of!(Filled, has_start) - 32usize];
+    ["Offset of field: Filled::first"][::core::mem::offset_of!(Filled, first) - 36usize];
+    [
+        "Offset of field: Filled::candidates",
+    ][::core::mem::offset_of!(Filled, candidates) - 40usize];
+    [
+        "Offset of field: Filled::winner",
+    ][::core::mem::offset_of!(Filled, winner) - 44usize];
+};
+/// What a triangle shows at a pixel, before its trims are asked.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Fragment {
+    pub word: u64,
+    pub pixel: u32,
+    pub unused: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Fragment"][::core::mem::size_of::<Fragment>() - 16usize];
+    ["Alignment of Fragment"][::core::mem::align_of::<Fragment>() - 16usize];
+    [
+        "Offset of field: Fragment::word",
+    ][::core::mem::offset_of!(Fragment, word) - 0usize];
+    [
+        "Offset of field: Fragment::pixel",
+    ][::core::mem::offset_of!(Fragment, pixel) - 8usize];
+    [
+        "Offset of field: Fragment::unused",
+    ][::core::mem::offset_of!(Fragment, unused) - 12usize];
+};
+/// Where the search for a pixel's surface begins.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Start {
+    /// Patch parameters, before and after.
+    pub parameters: [f32; 2usize],
+    /// Its triangle: the lower half of a visibility word.
+    pub triangle: u32,
+    /// NO_PATCH: there is none.
+    pub patch: u32,
+    /// Number of its pixel in the list.
+    pub slot: u32,
+    /// Stored depth that it found; 0: nothing.
+    pub depth: f32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Start"][::core::mem::size_of::<Start>() - 24usize];
+    ["Alignment of Start"][::core::mem::align_of::<Start>() - 4usize];
+    [
+        "Offset of field: Start::parameters",
+    ][::core::mem::offset_of!(Start, parameters) - 0usize];
+    [
+        "Offset of field: Start::triangle",
+    ][::core::mem::offset_of!(Start, triangle) - 8usize];
+    ["Offset of field: Start::patch"][::core::mem::offset_of!(Start, patch) - 12usize];
+    ["Offset of field: Start::slot"][::core::mem::offset_of!(Start, slot) - 16usize];
+    ["Offset of field: Start::depth"][::core::mem::offset_of!(Start, depth) - 20usize];
+};
+pub const NO_PATCH: u32 = 4294967295;
+/// How well the point that a pixel shows is known: `DoubtKind` in src/stages/settle.rs.
+pub const DOUBT_NONE: u32 = 0;
+/// Under the pixel's centre, but elsewhere in depth.
+pub const DOUBT_DEEP: u32 = 1;
+/// Not under the centre, or of the inside of a solid.
+pub const DOUBT_BESIDE: u32 = 2;
+/// Not under the centre, since the patch ends before.
+pub const DOUBT_ENDED: u32 = 3;
+pub mod Region {
+    #[allow(unused_imports)]
+    use super::*;
+    /// Where a box of parameters lies: `Region` in src/scene/trim_tree.rs.
+    pub type Type = u32;
+    pub const REGION_INSIDE: Type = 0;
+    pub const REGION_OUTSIDE: Type = 1;
+    /// A trim curve meets the box.
+    pub const REGION_BOUNDARY: Type = 2;
+}
+/// A face's trim loops: a kd-tree in the lists of all trees. src/scene/trim_tree.rs has the meaning of each.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct TrimTree {
+    /// Lowest and highest (u, v).
+    pub low: [f64; 2usize],
+    pub high: [f64; 2usize],
+    /// Largest gap of its curves.
+    pub gap: f64,
+    pub root: u32,
+    pub unused: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of TrimTree"][::core::mem::size_of::<TrimTree>() - 48usize];
+    ["Alignment of TrimTree"][::core::mem::align_of::<TrimTree>() - 8usize];
+    ["Offset of field: TrimTree::low"][::core::mem::offset_of!(TrimTree, low) - 0usize];
+    [
+        "Offset of field: TrimTree::high",
+    ][::core::mem::offset_of!(TrimTree, high) - 16usize];
+    ["Offset of field: TrimTree::gap"][::core::mem::offset_of!(TrimTree, gap) - 32usize];
+    [
+        "Offset of field: TrimTree::root",
+    ][::core::mem::offset_of!(TrimTree, root) - 40usize];
+    [
+        "Offset of field: TrimTree::unused",
+    ][::core::mem::offset_of!(TrimTree, unused) - 44usize];
+};
+/// `tag` of a node: the axis of a split, or this and above for a cell.
+pub const NODE_CELL: u32 = 2;
+/// `tag` of a cell: the lower end of its right side is inside. Its number of clips stands above.
+pub const NODE_INSIDE: u32 = 1;
+pub const NODE_COUNT_SHIFT: u32 = 2;
+/// Two children, lower and upper, or a cell with its clips.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct TrimNode {
+    /// Where it is split.
+    pub at: f64,
+    /// First child, or first clip.
+    pub first: u32,
+    pub tag: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of TrimNode"][::core::mem::size_of::<TrimNode>() - 16usize];
+    ["Alignment of TrimNode"][::core::mem::align_of::<TrimNode>() - 16usize];
+    ["Offset of field: TrimNode::at"][::core::mem::offset_of!(TrimNode, at) - 0usize];
+    [
+        "Offset of field: TrimNode::first",
+    ][::core::mem::offset_of!(TrimNode, first) - 8usize];
+    ["Offset of field: TrimNode::tag"][::core::mem::offset_of!(TrimNode, tag) - 12usize];
+};
+/// `exit` of a clip: the height at which it leaves through its cell's right side.
+pub const EXIT_NONE: u32 = 0;
+pub const EXIT_LOWER: u32 = 1;
+pub const EXIT_UPPER: u32 = 2;
+/// A segment within one cell, between two heights.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct TrimClip {
+    pub heights: [f64; 2usize],
+    pub segment: u32,
+    pub exit: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of TrimClip"][::core::mem::size_of::<TrimClip>() - 24usize];
+    ["Alignment of TrimClip"][::core::mem::align_of::<TrimClip>() - 8usize];
+    [
+        "Offset of field: TrimClip::heights",
+    ][::core::mem::offset_of!(TrimClip, heights) - 0usize];
+    [
+        "Offset of field: TrimClip::segment",
+    ][::core::mem::offset_of!(TrimClip, segment) - 16usize];
+    [
+        "Offset of field: TrimClip::exit",
+    ][::core::mem::offset_of!(TrimClip, exit) - 20usize];
+};
+/// A monotone piece of a trim curve, from its lower end to its upper.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct TrimSegment {
+    /// (u, v).
+    pub ends: [[f64; 2usize]; 2usize],
+    pub gap: f64,
+    /// Its points; none where it is straight.
+    pub first: u32,
+    pub count: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of TrimSegment"][::core::mem::size_of::<TrimSegment>() - 48usize];
+    ["Alignment of TrimSegment"][::core::mem::align_of::<TrimSegment>() - 16usize];
+    [
+        "Offset of field: TrimSegment::ends",
+    ][::core::mem::offset_of!(TrimSegment, ends) - 0usize];
+    [
+        "Offset of field: TrimSegment::gap",
+    ][::core::mem::offset_of!(TrimSegment, gap) - 32usize];
+    [
+        "Offset of field: TrimSegment::first",
+    ][::core::mem::offset_of!(TrimSegment, first) - 40usize];
+    [
+        "Offset of field: TrimSegment::count",
+    ][::core::mem::offset_of!(TrimSegment, count) - 44usize];
+};
+/// (wu, wv, w).
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct TrimPoint {
+    pub x: f64,
+    pub y: f64,
+    pub w: f64,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of TrimPoint"][::core::mem::size_of::<TrimPoint>() - 24usize];
+    ["Alignment of TrimPoint"][::core::mem::align_of::<TrimPoint>() - 8usize];
+    ["Offset of field: TrimPoint::x"][::core::mem::offset_of!(TrimPoint, x) - 0usize];
+    ["Offset of field: TrimPoint::y"][::core::mem::offset_of!(TrimPoint, y) - 8usize];
+    ["Offset of field: TrimPoint::w"][::core::mem::offset_of!(TrimPoint, w) - 16usize];
+};
 /// A point of a surface and its unit normal: what ETER's table 1 counts.
 #[repr(C)]
 #[repr(align(8))]

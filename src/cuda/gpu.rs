@@ -58,6 +58,11 @@ impl<T> Buffer<T> {
         self.length == 0
     }
 
+    /// The same allocation as bytes.
+    pub(crate) fn bytes(&self) -> Buffer<u8> {
+        Buffer { pointer: Pointer::new(self.pointer.bits), number: self.number, length: self.length * size_of::<T>() }
+    }
+
     /// What a kernel gets.
     pub fn pointer(&self) -> Pointer<T> {
         Pointer { ..self.pointer }

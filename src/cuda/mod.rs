@@ -6,9 +6,13 @@
 //! | `clocks.rs` | what evaluation costs by arithmetic and device; computed, made by tests/kernel_resources |
 //! | `device.rs` | which devices there are, and what is missing where there is none |
 //! | `evaluate.rs` | a frame's patches and meshlets as `kernels/abi.h` describes them |
+//! | `frame.rs` | the staged frame: which kernels run, one stage after the other |
 //! | `gpu.rs` | memory and launches: what a frame needs of a device |
 //! | `leaves.rs` | what the stages that draw a patch know of it |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
+//! | `session.rs` | a frame's buffers and launches |
+//! | `stream.rs` | a GPU as a frame uses it |
+//! | `trims.rs` | trim trees in a device's memory |
 //! | `precision.rs` | the arithmetics of evaluation, and a bound of each one's error |
 //! | `selection.rs` | which arithmetic a patch is evaluated in |
 //! | `surfaces.rs` | patches for the kernels that evaluate points with normals |
@@ -25,16 +29,23 @@ mod clocks;
 #[allow(unsafe_code)]
 mod device;
 pub mod evaluate;
+pub(crate) mod frame;
 mod gpu;
 pub(crate) mod leaves;
 mod module;
+mod session;
+// Launches and copies are calls of the driver.
 pub mod precision;
 pub mod selection;
+#[allow(unsafe_code)]
+mod stream;
 pub mod surfaces;
+pub mod trims;
 
 pub use device::{Device, Driver, devices, driver};
 pub use gpu::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape};
 pub use module::{Kernels, Toolkit, fatbin, targets, toolkit};
+pub use stream::Stream;
 
 use cudarc::driver::DriverError;
 use thiserror::Error;
@@ -66,6 +77,10 @@ pub enum CudaError {
     NoSuchDevice { ordinal: usize, count: usize },
     #[error("the kernels hold no {name}")]
     NoSuchKernel { name: String },
+    #[error("a buffer of {bytes} bytes is not one of this device, or was freed")]
+    NoSuchBuffer { bytes: usize },
+    #[error("kernel {kernel} could not be launched: {reason}")]
+    Launch { kernel: String, reason: String },
     #[error("{what} failed: {reason}")]
     Driver { what: &'static str, reason: String },
 }
@@ -73,15 +88,21 @@ pub enum CudaError {
 impl CudaError {
     /// A failed call of the driver, with the driver's own words.
     fn of_driver(what: &'static str) -> impl Fn(DriverError) -> Self {
-        move |error| {
-            let text = error.error_string().map(|t| t.to_string_lossy().into_owned());
-            let name = error.error_name().map(|t| t.to_string_lossy().into_owned());
-            let reason = match (name, text) {
-                (Ok(name), Ok(text)) => format!("{text} ({name})"),
-                _ => format!("{:?}", error.0),
-            };
-            Self::Driver { what, reason }
-        }
+        move |error| Self::Driver { what, reason: reason(error) }
+    }
+
+    fn of_kernel(kernel: &str) -> impl Fn(DriverError) -> Self {
+        move |error| Self::Launch { kernel: kernel.into(), reason: reason(error) }
+    }
+}
+
+/// The driver's own words.
+fn reason(error: DriverError) -> String {
+    let text = error.error_string().map(|t| t.to_string_lossy().into_owned());
+    let name = error.error_name().map(|t| t.to_string_lossy().into_owned());
+    match (name, text) {
+        (Ok(name), Ok(text)) => format!("{text} ({name})"),
+        _ => format!("{:?}", error.0),
     }
 }
 

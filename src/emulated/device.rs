@@ -2,6 +2,7 @@ use super::memory::Memory;
 use super::schedule::Schedule;
 use super::{LaunchError, ffi};
 use crate::cuda::{Argument, Buffer, Gpu, GpuError, Pod, Shape};
+use std::fmt;
 use std::thread;
 
 /// Memory and launches, as of a GPU. Devices share nothing: tests with one each can run side by side.
@@ -10,6 +11,12 @@ pub struct Device {
     /// How many threads of the CPU share the blocks of a launch.
     pub threads: usize,
     memory: Memory,
+}
+
+impl fmt::Debug for Device {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Device").field("schedule", &self.schedule).field("threads", &self.threads).finish()
+    }
 }
 
 impl Default for Device {

@@ -16,6 +16,8 @@ pub use enclosure::{enclose, normal_cone};
 pub use prepare::{PrepareError, prepare};
 pub use trim_lines::Window;
 pub use trim_segment::ParameterBox;
+pub(crate) use trim_segment::Segment;
+pub(crate) use trim_tree::{Clip, Exit, Node, Tree};
 pub use trim_tree::{Region, TrimTree, Trims};
 
 use crate::geometry::Net;

@@ -4,7 +4,7 @@
 //! side as soon as the point leaves the box between the brackets, mostly after one or two evaluations (Schollmeyer &
 //! Fröhlich, "Direct trimming of NURBS surfaces on the GPU", 2009, section 4).
 
-use crate::geometry::{BezierCurve, MAX_DEGREE};
+use crate::geometry::BezierCurve;
 use glam::{DVec3, DVec4};
 
 /// Evaluations that decide a point's side; doubles have no more bits.
@@ -24,8 +24,8 @@ pub struct Segment {
     /// `TrimCurve::gap`, in the part's units.
     pub gap: f64,
     /// Its homogeneous points `(wu, wv, w)` in the list they were added to; none for straight ones.
-    first: u32,
-    count: u32,
+    pub(crate) first: u32,
+    pub(crate) count: u32,
 }
 
 /// A box of the parameter plane: `[u, v]` of its lowest and its highest corner.
@@ -245,28 +245,27 @@ fn between(a: [f64; 2], b: [f64; 2], axis: usize, x: f64) -> f64 {
     (a[other] + (b[other] - a[other]) * share).clamp(low, high)
 }
 
-/// The homogeneous point at `t`.
+/// The homogeneous point at `t`. Twin: kernels/trim_tree.cuh.
 fn homogeneous(points: &[DVec3], t: f64) -> DVec3 {
     let s = 1.0 - t;
     match *points {
         [a, b, c] => (a * s + b * (2.0 * t)) * s + c * (t * t),
-        [a, b, c, d] => ((a * s + b * (3.0 * t)) * s + c * (3.0 * t * t)) * s + d * (t * t * t),
-        // Clearing room for the highest degree would take longer than all else.
-        _ if points.len() <= FEW => casteljau::<FEW>(points, t),
-        _ => casteljau::<{ MAX_DEGREE + 1 }>(points, t),
+        [a, b, c, d] => ((a * s + b * (3.0 * t)) * s + c * (3.0 * (t * t))) * s + d * (t * t * t),
+        [first, ref others @ ..] => horner(first, others, t),
+        [] => DVec3::ZERO,
     }
 }
 
-fn casteljau<const N: usize>(points: &[DVec3], t: f64) -> DVec3 {
-    let mut column = [DVec3::ZERO; N];
-    let column = &mut column[..points.len()];
-    column.copy_from_slice(points);
-    for level in (1..column.len()).rev() {
-        for k in 0..level {
-            column[k] = column[k] * (1.0 - t) + column[k + 1] * t;
-        }
+/// Horner's scheme in Bernstein form: no room for a column of points is needed, on a GPU either.
+fn horner(first: DVec3, others: &[DVec3], t: f64) -> DVec3 {
+    let (s, degree) = (1.0 - t, others.len());
+    let (mut sum, mut power, mut choose) = (first, 1.0, 1.0);
+    for (k, &point) in (1..).zip(others) {
+        power *= t;
+        choose = choose * (degree + 1 - k) as f64 / k as f64;
+        sum = sum * s + point * (choose * power);
     }
-    column[0]
+    sum
 }
 
 /// Appends the monotone segments of a curve that runs from `start` to `end` (its own ends, but for rounding).

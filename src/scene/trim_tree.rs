@@ -26,16 +26,16 @@ pub enum Region {
 /// The trim trees of many faces in common lists.
 #[derive(Clone, Debug, Default)]
 pub struct Trims {
-    pub(super) trees: Vec<Tree>,
-    pub(super) nodes: Vec<Node>,
-    pub(super) clips: Vec<Clip>,
-    pub(super) segments: Vec<Segment>,
-    pub(super) points: Vec<DVec3>,
+    pub(crate) trees: Vec<Tree>,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) clips: Vec<Clip>,
+    pub(crate) segments: Vec<Segment>,
+    pub(crate) points: Vec<DVec3>,
 }
 
 /// One face's tree in the lists.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Tree {
+pub(crate) struct Tree {
     pub root: u32,
     pub bounds: ParameterBox,
     /// Largest gap of its curves.
@@ -43,7 +43,7 @@ pub(super) struct Tree {
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Node {
+pub(crate) enum Node {
     /// Lower child, then the upper one, at `children` and `children + 1`.
     Split {
         axis: u8,
@@ -59,7 +59,7 @@ pub(super) enum Node {
 
 /// A segment within one cell.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Clip {
+pub(crate) struct Clip {
     pub segment: u32,
     /// Heights between which it crosses the cell: the lower one is its, the upper one isn't.
     pub heights: [f64; 2],
@@ -68,7 +68,7 @@ pub(super) struct Clip {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Exit {
+pub(crate) enum Exit {
     Lower,
     Upper,
 }

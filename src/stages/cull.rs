@@ -3,6 +3,7 @@
 //! A *leaf* is a patch or a part of one whose control net lies in front of the near plane, spans a depth ratio of at
 //! most 3, and is small enough in pixels that f32 arithmetic about its own screen position stays within its budget.
 
+use super::cone::Cone;
 use super::lens::{Lens, PatchMap};
 use super::{Cull, Options, RenderError, Trim};
 use crate::geometry::{BezierPatch, Net};
@@ -317,26 +318,18 @@ impl<'a> Culler<'a> {
 
     /// All of a solid's patch faces away from an eye that is outside.
     fn is_back_patch(&self, patch: &Patch, map: &PatchMap) -> bool {
-        let cone = &patch.cone;
         let side = self.visible_side(patch);
-        if side == 0 || cone.cos_angle <= 0.0 {
+        if side == 0 || patch.cone.cos_angle <= 0.0 {
             return false;
         }
         // Seen from its own coordinates a solid looks the same however its instance stretches or mirrors it.
-        let axis = cone.axis * f64::from(side);
-        let cone_angle = cone.cos_angle.clamp(-1.0, 1.0).acos();
-        let (towards, spread) = if self.lens.perspective {
-            match direction_cone(self.scene.net(patch), map) {
-                Some(cone) => cone,
-                None => return false,
-            }
+        let normals = Cone { axis: patch.cone.axis * f64::from(side), cos: patch.cone.cos_angle };
+        let rays = if self.lens.perspective {
+            Cone::of_rays(self.scene.net(patch), map)
         } else {
-            // The direction that leaves a pixel where it is; the forward axis itself only where nothing is stretched.
-            let [x, y, z] = map.axes;
-            let along = x.cross(y);
-            ((along * along.dot(z).signum()).normalize(), 0.0)
+            Some(Cone::of_parallel_rays(map))
         };
-        axis.dot(towards).clamp(-1.0, 1.0).acos() + cone_angle + spread < std::f64::consts::FRAC_PI_2 - 1e-9
+        rays.is_some_and(|rays| normals.is_near(&rays))
     }
 
     /// Writes the f32 net of a leaf: centred in f64, then rounded.
@@ -348,18 +341,6 @@ impl<'a> Culler<'a> {
             nets.push(centred.as_vec4());
         }
     }
-}
-
-/// The cone of directions from the eye to a patch, in the patch's own coordinates: axis and half angle.
-fn direction_cone(net: Net, map: &PatchMap) -> Option<(DVec3, f64)> {
-    // Rows hold scale * axis and the eye's offset: the eye in local coordinates solves rows . (eye, 1) = 0.
-    let linear = glam::DMat3::from_cols(map.rows[0].truncate(), map.rows[1].truncate(), map.rows[2].truncate());
-    let offset = DVec3::new(map.rows[0].w, map.rows[1].w, map.rows[2].w);
-    let eye = -(linear.transpose().inverse() * offset);
-    let directions = || net.hull().map(|p| (p - eye).normalize_or_zero());
-    let axis = directions().sum::<DVec3>().try_normalize()?;
-    let cos = directions().map(|d| d.dot(axis)).fold(1.0, f64::min);
-    (cos > 0.0).then(|| (axis, cos.min(1.0).acos()))
 }
 
 /// Bound of the error of a projected vertex in pixels, for a net `reach` pixels about its centre.

@@ -2,6 +2,7 @@
 
 use super::basis::BasisTables;
 use super::cull::{Culler, Leaf, Leaves};
+use super::device::Engine;
 use super::estimate::{Tessellation, estimate};
 use super::evaluate::{Meshlets, Vertex, View, evaluate};
 use super::fill::{Filled, fill};
@@ -16,7 +17,7 @@ use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
 use super::trim::{textures, trim};
 use super::trim_cut::gaps;
 use super::{Bound, Options, Trim};
-use crate::cuda::{self, abi, evaluate::Staged};
+use crate::cuda::{self, GpuError, abi, evaluate::Staged, trims::TrimsOnDevice};
 use crate::scene::{Camera, PatchTrim, Scene};
 use glam::Vec4;
 use rayon::prelude::*;
@@ -63,6 +64,10 @@ pub enum RenderError {
     ToleranceTooSmall { tolerance: f64, floor: f64 },
     #[error("the model is {size:e} units large; what is drawn in f32 measures 1e-30 to 1e30: scale it")]
     ModelSize { size: f64 },
+    #[error("--trim texture is drawn by the CPU alone: use --backend cpu")]
+    NoTextures,
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
     #[error("the slefe bound covers polynomial patches up to degree 7; face {face} is {what}")]
     SlefeUnsupported { face: u32, what: String },
 }
@@ -88,36 +93,59 @@ pub struct Frame {
     pub camera: Camera,
     pub options: Options,
     pub stats: Stats,
-    targets: Targets,
-    leaves: Vec<Leaf>,
-    grids: Vec<Tessellation>,
-    meshlets: Meshlets,
-    filled: Vec<Filled>,
+    pub(super) targets: Targets,
+    pub(super) leaves: Vec<Leaf>,
+    pub(super) grids: Vec<Tessellation>,
+    pub(super) meshlets: Meshlets,
+    pub(super) filled: Vec<Filled>,
 }
 
 /// Draws a scene; keeps its buffers from frame to frame.
 #[derive(Debug)]
 pub struct Renderer<'a> {
-    scene: &'a Scene,
+    pub(super) scene: &'a Scene,
+    engine: Engine,
+    /// What the engine's device has of the scene.
+    pub(super) resident: Option<TrimsOnDevice>,
     tables: BasisTables,
     spare_targets: Option<Targets>,
 }
 
 /// What the geometry stages make of all patches.
 #[derive(Default)]
-struct Geometry {
-    leaves: Leaves,
-    grids: Vec<Tessellation>,
+pub(super) struct Geometry {
+    pub leaves: Leaves,
+    pub grids: Vec<Tessellation>,
 }
 
 impl<'a> Renderer<'a> {
+    /// By the CPU.
     pub fn new(scene: &'a Scene) -> Self {
-        Self { scene, tables: BasisTables::new(), spare_targets: None }
+        Self::with(scene, Engine::Cpu)
+    }
+
+    pub fn with(scene: &'a Scene, engine: Engine) -> Self {
+        Self { scene, engine, resident: None, tables: BasisTables::new(), spare_targets: None }
+    }
+
+    pub fn engine(&self) -> &Engine {
+        &self.engine
     }
 
     /// Draws one frame: cull, estimate, evaluate, rasterize, trim, fill, shade.
     pub fn render(&mut self, camera: &Camera, options: &Options) -> Result<Frame, RenderError> {
         self.check(options)?;
+        let mut engine = std::mem::take(&mut self.engine);
+        let frame = match &mut engine {
+            Engine::Cpu => self.render_here(camera, options),
+            Engine::Emulated(device) => self.render_on(&mut **device, camera, options),
+            Engine::Cuda(stream) => self.render_on(&mut **stream, camera, options),
+        };
+        self.engine = engine;
+        frame
+    }
+
+    fn render_here(&mut self, camera: &Camera, options: &Options) -> Result<Frame, RenderError> {
         let lens = Lens::new(camera);
         let mut clock = Clock::new();
         let culled = self.cull(&lens, options)?;
@@ -178,7 +206,7 @@ impl<'a> Renderer<'a> {
         Ok((staged, meshlets.vertices.iter().map(vertex).collect()))
     }
 
-    fn staged_of(
+    pub(super) fn staged_of(
         &self,
         lens: &Lens,
         options: &Options,
@@ -200,7 +228,7 @@ impl<'a> Renderer<'a> {
         self.spare_targets = Some(frame.targets);
     }
 
-    fn check(&self, options: &Options) -> Result<(), RenderError> {
+    pub(super) fn check(&self, options: &Options) -> Result<(), RenderError> {
         // Single points are no larger than their rounding; they are drawn, if nowhere.
         let size = (self.scene.bounds.high - self.scene.bounds.low).max_element();
         if size > 0.0 && !(1e-30..=1e30).contains(&size) {
@@ -234,7 +262,7 @@ impl<'a> Renderer<'a> {
         tasks
     }
 
-    fn cull(&self, lens: &Lens, options: &Options) -> Result<Vec<Leaves>, RenderError> {
+    pub(super) fn cull(&self, lens: &Lens, options: &Options) -> Result<Vec<Leaves>, RenderError> {
         let cull_one = |(instance, patches): (u32, std::ops::Range<usize>)| {
             let mut culler = Culler::new(self.scene, lens, options);
             let mut leaves = Leaves::default();
@@ -246,7 +274,12 @@ impl<'a> Renderer<'a> {
         self.tasks().into_par_iter().map(cull_one).collect()
     }
 
-    fn estimate(&self, lens: &Lens, options: &Options, culled: Vec<Leaves>) -> Result<Geometry, RenderError> {
+    pub(super) fn estimate(
+        &self,
+        lens: &Lens,
+        options: &Options,
+        culled: Vec<Leaves>,
+    ) -> Result<Geometry, RenderError> {
         let vertices = AtomicU64::new(0);
         let estimated: Vec<(Leaves, Vec<Tessellation>)> = (culled.into_par_iter())
             .map(|leaves| estimate(&mut Culler::new(self.scene, lens, options), leaves, &vertices))
@@ -262,7 +295,7 @@ impl<'a> Renderer<'a> {
         Ok(all)
     }
 
-    fn evaluate(
+    pub(super) fn evaluate(
         &self,
         lens: &Lens,
         options: &Options,
@@ -310,6 +343,11 @@ impl<'a> Renderer<'a> {
 }
 
 impl Targets {
+    /// Of a frame that a device drew.
+    pub fn of(near: Vec<u64>, parameters: Vec<[f32; 2]>, color: Vec<[f32; 3]>) -> Self {
+        Self { near, parameters, color, ..Self::default() }
+    }
+
     fn bytes(&self) -> u64 {
         let touched: usize = self.touched.iter().map(|t| t.capacity() * size_of::<u32>()).sum();
         (touched + self.near.len() * (2 * size_of::<u64>() + size_of::<[f32; 2]>() + size_of::<[f32; 3]>())) as u64

@@ -2,7 +2,9 @@
 
 pub(crate) mod basis;
 mod bounds;
+mod cone;
 pub(crate) mod cull;
+mod device;
 pub(crate) mod estimate;
 pub(crate) mod evaluate;
 mod fill;
@@ -31,6 +33,7 @@ mod trim_texture;
 #[cfg(test)]
 mod tests;
 
+pub use device::Engine;
 pub use frame::{Frame, Pixel, RenderError, Renderer};
 pub use options::{Bound, Cull, Fill, Grid, Interpolation, Options, Show, Trim};
 pub use stats::{StageTime, Stats};

@@ -97,12 +97,10 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
     let mut point = evaluate::<S, N>(simd, surface, &cubic, s, t);
     let mut residual = (x - point.x).abs().max((y - point.y).abs());
     let facing = jacobian(simd, &point);
+    // Each pixel goes on by itself: what it ends with does not depend on its neighbours.
+    let mut open = residual.simd_gt(f32x8::splat(simd, CONVERGED));
     let mut round = 0;
-    while round < rounds * STRAGGLER_ROUNDS {
-        let open = residual.simd_gt(f32x8::splat(simd, CONVERGED));
-        if !open.any_true() {
-            break;
-        }
+    while round < rounds * STRAGGLER_ROUNDS && open.any_true() {
         let before = residual;
         let depth = point.z;
         let slack = slope_allowance(simd, surface, &point, x, y);
@@ -142,10 +140,10 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
             nt = pending.select(half[1], nt);
         }
         round += 1;
+        open &= residual.simd_gt(f32x8::splat(simd, CONVERGED));
         // Past the regular rounds only those go on that still get somewhere.
-        let gains = open & residual.simd_lt(before * 0.9) & residual.simd_gt(f32x8::splat(simd, CONVERGED));
-        if round >= rounds && !gains.any_true() {
-            break;
+        if round >= rounds {
+            open &= residual.simd_lt(before * 0.9);
         }
     }
     s.store_slice(&mut batch.s);

@@ -15,6 +15,7 @@ use super::topology::{depth_of, meshlet_of, with_depth};
 use super::trim_cut::gaps;
 use super::trim_texture::Texture;
 use super::{Fill, Options, show};
+use crate::geometry::root;
 use crate::scene::Scene;
 use fearless_simd::{Level, dispatch};
 use glam::Vec4;
@@ -93,8 +94,7 @@ pub(super) fn shade(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fil
 /// Parameters of a leaf that lie in its patch. Outside its unit square a net's rounding grows like (1 + 2 a)^(m + n) with the
 /// distance a: no farther out than where it could be seen.
 pub(crate) fn domain(leaf: &Leaf) -> [[f32; 2]; 2] {
-    let power = 1.0 / (leaf.degree[0] + leaf.degree[1]) as f64;
-    let out = ((EXTRAPOLATED / leaf.rounding).powf(power) - 1.0).max(0.0) * 0.5;
+    let out = (root(EXTRAPOLATED / leaf.rounding, leaf.degree[0] + leaf.degree[1]) - 1.0).max(0.0) * 0.5;
     [0, 1].map(|k| {
         let end = |value: f64| ((value - leaf.corner[k]) / leaf.extent[k]).clamp(-out, 1.0 + out) as f32;
         [end(0.0), end(1.0)]
@@ -104,6 +104,15 @@ pub(crate) fn domain(leaf: &Leaf) -> [[f32; 2]; 2] {
 /// What refinement may change a leaf's depth beyond the surface's own slope, model units.
 pub(crate) fn depth_tolerance(lens: &Lens, options: &Options, leaf: &Leaf) -> f32 {
     (options.depth_tolerance * lens.pixel_size(leaf.low.z)) as f32
+}
+
+/// Colours every pixel of a finished frame anew, where its parameters are.
+pub(super) fn repaint(shader: &Shader, targets: &mut Targets) {
+    let Targets { near, parameters, color, .. } = targets;
+    color.par_iter_mut().enumerate().filter(|&(pixel, _)| near[pixel] != 0).for_each(|(pixel, color)| {
+        let start = Some(parameters[pixel]);
+        *color = shader.surfel(near[pixel], &Filled { pixel: pixel as u32, near: 0, start }).color;
+    });
 }
 
 /// One shaded pixel.

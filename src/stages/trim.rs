@@ -42,7 +42,7 @@ pub struct TrimCounts {
 }
 
 impl TrimCounts {
-    pub(super) fn plus(self, other: Self) -> Self {
+    pub(crate) fn plus(self, other: Self) -> Self {
         Self {
             meshlets_outside: self.meshlets_outside + other.meshlets_outside,
             meshlets_inside: self.meshlets_inside + other.meshlets_inside,

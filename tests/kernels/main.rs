@@ -26,6 +26,7 @@ mod evaluate_scene;
 #[cfg(host_kernels)]
 mod faults;
 #[cfg(host_kernels)]
+mod frame;
 #[path = "../support/fresh.rs"]
 mod fresh;
 #[cfg(host_kernels)]
@@ -40,6 +41,8 @@ mod sparse_products;
 mod special_products;
 #[cfg(host_kernels)]
 mod support;
+#[cfg(host_kernels)]
+mod trims;
 
 // The test kernels; their names join the list of kernels before `main`.
 #[cfg(host_kernels)]

@@ -34,7 +34,7 @@ pub fn run(args: &Args) -> Result<()> {
         let mut rows = if args.resume { earlier(args)? } else { Vec::new() };
         for model in args.suite.models() {
             let (loaded, scene) = model.load_scene()?;
-            let subject = Subject::new(&loaded.name, &scene, args.effort);
+            let subject = Subject::new(&loaded.name, &scene, args.effort, args.suite.frame.backend.engine()?);
             measure(args, subject, &mut rows)?;
         }
         findings(rows).publish(&args.suite.results)

@@ -24,7 +24,7 @@ pub fn run(args: &SuiteArgs) -> Result<()> {
         let mut rows = Vec::new();
         for model in args.models() {
             let (loaded, scene) = model.load_scene()?;
-            let mut subject = Subject::new(&loaded.name, &scene, COUNT_ONLY);
+            let mut subject = Subject::new(&loaded.name, &scene, COUNT_ONLY, args.frame.backend.engine()?);
             let sweep = args.sweep.resolve(&args.frame, &USUAL)?;
             // Of ETER's grids only those under ETER's bound are a reference.
             let options = || sweep.options.iter().filter(|o| o.grid != Grid::Eter || o.bound == Bound::Eter);

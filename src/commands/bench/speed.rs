@@ -34,11 +34,12 @@ pub fn run(args: &Args) -> Result<()> {
         let ours = args.frame.options();
         let eter = Options { bound: Bound::Eter, grid: Grid::Eter, ..ours };
         // One frame alone: ETER's buffers and the bandwidth probe's are not part of what a frame needs.
-        Renderer::new(&scene).render(&args.frame.camera(&scene)?, &ours)?;
+        let engine = args.frame.backend.engine()?;
+        Renderer::with(&scene, engine).render(&args.frame.camera(&scene)?, &ours)?;
         let memory = peak_memory();
         let (a, b) = alternate(args, &scene, &ours, &eter)?;
         let effort = Effort { frames: args.frames, samples: 0, seed: 0 };
-        let subject = Subject::new(&loaded.name, &scene, effort);
+        let subject = Subject::new(&loaded.name, &scene, effort, args.frame.backend.engine()?);
         let row = |options, m: &Measured| {
             subject.labelled(&args.frame.view_spec(), options, Outcome::Measured(Box::new(m.clone())))
         };
@@ -66,7 +67,9 @@ pub fn run(args: &Args) -> Result<()> {
 fn alternate(args: &Args, scene: &Scene, ours: &Options, eter: &Options) -> Result<(Measured, Measured)> {
     let camera = args.frame.camera(scene)?;
     // Each keeps its own buffers, as it would alone.
-    let mut sides = [ours, eter].map(|options| (Renderer::new(scene), options, Run::default()));
+    let engine = || args.frame.backend.engine();
+    let mut sides = [(engine()?, ours), (engine()?, eter)]
+        .map(|(engine, options)| (Renderer::with(scene, engine), options, Run::default()));
     let bar = progress_bar("timing");
     bar.set_length(u64::from(args.frames) + 1);
     for turn in 0..=args.frames {

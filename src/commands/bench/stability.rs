@@ -110,7 +110,7 @@ fn draw(frame: &FrameArgs, args: &Args) -> Result<Drawn> {
     frame.model.install(|| {
         let effort = Effort { frames: 1, samples: args.samples, seed: args.seed };
         let (loaded, scene) = frame.model.load_scene()?;
-        let mut subject = Subject::new(&loaded.name, &scene, effort);
+        let mut subject = Subject::new(&loaded.name, &scene, effort, frame.backend.engine()?);
         let (view, options) = (frame.view_spec(), frame.options());
         let timed: Timed = match subject.time(&view, &options)? {
             Ok(timed) => timed,

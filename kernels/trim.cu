@@ -1,0 +1,183 @@
+// trim: fragments of meshlets that a trim curve crosses are tested on the exact surface (DESIGN section 5). Twin of
+// src/stages/trim.rs.
+//
+// A fragment's interpolated parameters may be half a pixel off. Where all parameters that near lie on one side, that decides,
+// for a whole triangle or for a fragment. The others are listed, refined to the pixel's centre and tested there, so that both
+// faces at an edge cut at the same place; a point outside but within the model's own gap of a curve counts as inside, so that
+// the faces meet.
+#include "interpolate.cuh"
+#include "outlines.cuh"
+#include "shading.cuh"
+#include "trim_cut.cuh"
+
+namespace trim {
+
+constexpr int WARPS = 4;
+
+// What trimming did: places in the list of counts.
+constexpr int LISTED = 0, REJECTED = 1, PROPOSED = 2, COUNTS = 3;
+
+// Fragments near a curve.
+struct Queue {
+    Buffer<Fragment> list;
+    Buffer<uint32_t> counts;
+    uint32_t room;
+
+    __device__ __forceinline__ void push(uint32_t pixel, Word word) const {
+        const uint32_t place = atomicAdd(&counts[LISTED], 1u);
+        if (place < room) {
+            Fragment fragment = {word, pixel, 0};
+            list[place] = fragment;
+        }
+    }
+};
+
+static __device__ __forceinline__ double2 interpolated(const outlines::Drawn &d, uint32_t index, int x, int y) {
+    const float2 s = interpolate::at(d.in, d.patch, d.m, index, x, y);
+    return make_double2(s.x, s.y);
+}
+
+// Where a triangle lies, the errors of its fragments included.
+static __device__ __forceinline__ uint32_t region(const outlines::Drawn &d, const trims::Trims &trims,
+                                                  const topology::Primitive &p, const trims::Spread &spread) {
+    double low[2], high[2];
+#pragma unroll
+    for (int k = 0; k < 2; k++) {
+        const int a = k == 0 ? p.corner[0].i : p.corner[0].j, b = k == 0 ? p.corner[1].i : p.corner[1].j;
+        const int c = k == 0 ? p.corner[2].i : p.corner[2].j, first = d.m.first[k];
+        low[k] = double(first + min(min(a, b), c)) / double(d.patch.quads[k]) - spread.s[k];
+        high[k] = double(first + max(max(a, b), c)) / double(d.patch.quads[k]) + spread.s[k];
+    }
+    return trims::classify(trims, d.leaf.tree, trims::plane_box(d.leaf, low, high));
+}
+
+// Draws the fragments of a triangle that no curve comes near to, and lists the others.
+static __device__ __forceinline__ void triangle(const outlines::Drawn &d, const trims::Trims &trims, int index, int first,
+                                                int step, Buffer<Word> near, const Queue &queue) {
+    const topology::Primitive p = topology::triangle(d.m, d.patch.diagonal, index);
+    const Corners corners = d.corners(p);
+    const trims::Spread spread = trims::spread(trims, d.patch, d.leaf, p, corners);
+    const uint32_t whole = region(d, trims, p, spread);
+    if (whole == REGION_OUTSIDE) {
+        return;
+    }
+    const auto found = [&](int x, int y, Word word) {
+        const uint32_t pixel = uint32_t(y) * d.view.size[0] + x;
+        if (racy_load(&near[pixel]) >= word) {
+            return;
+        }
+        uint32_t here = whole;
+        if (here == REGION_BOUNDARY) {
+            const double2 s = interpolated(d, index, x, y);
+            here = trims::classify(trims, d.leaf, s.x, s.y, spread.s);
+        }
+        if (here == REGION_INSIDE) {
+            keep_larger(near, pixel, word);
+        } else if (here == REGION_BOUNDARY) {
+            queue.push(pixel, word);
+        }
+    };
+    Coverage::of(corners, Coverage::box_of(d.view, corners)).each(d.id(index), first, step, found);
+}
+
+// A fragment for the spare buffer. One that stays as it is shows its own parameters, so that these are tested; one that only
+// proposes a pixel is refused where nothing of the face is near.
+static __device__ __forceinline__ bool keeps_stroke(const outlines::Drawn &d, const trims::Trims &trims, int x, int y,
+                                                    Word word) {
+    const uint32_t index = topology::index_of(word);
+    // A fold has no parameters of its own.
+    if (index == FOLD_INDEX) {
+        return true;
+    }
+    const double2 s = interpolated(d, index, x, y);
+    if (d.view.refine == 0 || d.view.fill != FILL_STROKE) {
+        return trims::contains(trims, d.leaf, s.x, s.y);
+    }
+    const topology::Primitive p = topology::primitive(d.m, d.patch.diagonal, index);
+    // The pen's width, and as much again to what lies under the pixel's centre.
+    trims::Spread spread = trims::spread(trims, d.patch, d.leaf, p, d.corners(p));
+    spread.s[0] *= 2.0;
+    spread.s[1] *= 2.0;
+    // Edge-on there is no telling.
+    return !spread.is_finite() || trims::classify(trims, d.leaf, s.x, s.y, spread.s) != REGION_OUTSIDE;
+}
+
+} // namespace trim
+
+// The tested meshlets; a grid of ceil(count / 4) blocks. `counts`: trim::COUNTS of them.
+extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(trim::WARPS * 32)
+    trim_meshlets(const __grid_constant__ View view, GEOMETRY, uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
+                  uint32_t room, Buffer<Fragment> queue, Buffer<uint32_t> counts) {
+    const Geometry in = GEOMETRY_ARGUMENTS;
+    const uint32_t number = blockIdx.x * trim::WARPS + threadIdx.x / 32;
+    if (number >= count || !in.meshlets[number].tested) {
+        return;
+    }
+    const Meshlet m = in.meshlets[number];
+    const Patch &patch = in.patches[m.patch];
+    const Leaf &leaf = in.leaves[m.patch];
+    const outlines::Drawn d = {view, in, m, patch, leaf, number};
+    outlines::for_all(
+        topology::triangles(m), threadIdx.x % 32,
+        [&](int k) {
+            const Corners c = d.corners(topology::triangle(m, patch.diagonal, k));
+            return faces_away(c, patch.hidden) ? 0 : outlines::pixels_of(Coverage::box_of(view, c));
+        },
+        [&](int k, int first, int step) { trim::triangle(d, trims, k, first, step, near, {queue, counts, room}); });
+}
+KERNEL(trim_meshlets)
+
+// The listed fragments, on the exact surface.
+extern "C" __global__ void __launch_bounds__(THREADS) trim_fragments(const __grid_constant__ View view, GEOMETRY, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
+                                          Buffer<Word> spare, Buffer<const Fragment> queue, uint32_t count,
+                                          Buffer<uint32_t> counts) {
+    const Geometry in = GEOMETRY_ARGUMENTS;
+    const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
+    if (k >= count) {
+        return;
+    }
+    const Word word = queue[k].word;
+    const uint32_t pixel = queue[k].pixel;
+    const int x = pixel % view.size[0], y = pixel / view.size[0];
+    const Meshlet m = in.meshlets[topology::meshlet_of(word)];
+    const Leaf &leaf = in.leaves[m.patch];
+    const float2 start = interpolate::at(in, in.patches[m.patch], m, topology::index_of(word), x, y);
+    const float2 target = refinement::target(view, leaf, x, y);
+    const refinement::Refined r =
+        refinement::refine(Surface::of(view, in, m.patch, false), view.refine, start.x, start.y, target.x, target.y);
+    if (trims::keeps(trims, view, leaf, r)) {
+        keep_larger(near, pixel, word);
+        return;
+    }
+    atomicAdd(&counts[trim::REJECTED], 1u);
+    // It was not tested under the pixel's centre: whatever surface lies there is searched for.
+    if (r.residual > shading::EXACT && view.refine > 0 && view.fill == FILL_STROKE) {
+        atomicAdd(&counts[trim::PROPOSED], 1u);
+        keep_larger(spare, pixel, topology::word(topology::depth_of(word), topology::meshlet_of(word), FOLD_INDEX));
+    }
+}
+KERNEL(trim_fragments)
+
+// Strokes of the tested meshlets, once the near buffer is done.
+extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(trim::WARPS * 32)
+    trim_strokes(const __grid_constant__ View view, GEOMETRY, uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<const Word> near,
+                 Buffer<Word> spare) {
+    const Geometry in = GEOMETRY_ARGUMENTS;
+    const uint32_t number = blockIdx.x * trim::WARPS + threadIdx.x / 32;
+    if (number >= count || !in.meshlets[number].tested) {
+        return;
+    }
+    const Meshlet m = in.meshlets[number];
+    const Patch &patch = in.patches[m.patch];
+    const Leaf &leaf = in.leaves[m.patch];
+    const outlines::Drawn d = {view, in, m, patch, leaf, number};
+    outlines::draw(d, count, threadIdx.x % 32, [&](int x, int y, Word word) {
+        const uint32_t pixel = uint32_t(y) * view.size[0] + x;
+        // Fill wants nothing that N hides.
+        const bool nearer = topology::depth_of(word) > topology::depth_of(near[pixel]);
+        if (nearer && racy_load(&spare[pixel]) < word && trim::keeps_stroke(d, trims, x, y, word)) {
+            keep_larger(spare, pixel, word);
+        }
+    });
+}
+KERNEL(trim_strokes)

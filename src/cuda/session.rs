@@ -1,0 +1,117 @@
+//! One frame's use of a device: buffers that are freed together, and launches that all begin with the frame's geometry.
+
+use super::{Argument, Buffer, Gpu, GpuError, Pod, Shape, abi};
+
+/// Threads a block of kernels that give a thread to each pixel, or to each entry of a list.
+const THREADS: u32 = 128;
+/// Warps a block of kernels that give a warp to each meshlet.
+const WARPS: u32 = 4;
+
+/// Buffers of one frame.
+pub(crate) struct Session<'g, G: Gpu> {
+    gpu: &'g mut G,
+    owned: Vec<Buffer<u8>>,
+}
+
+/// What `GEOMETRY` in kernels/topology.cuh names.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Geometry {
+    pub view: abi::View,
+    pub patches: Buffer<abi::Patch>,
+    pub leaves: Buffer<abi::Leaf>,
+    pub nets: Buffer<abi::Point>,
+    pub meshlets: Buffer<abi::Meshlet>,
+    pub vertices: Buffer<abi::Vertex>,
+}
+
+impl<'g, G: Gpu> Session<'g, G> {
+    pub fn new(gpu: &'g mut G) -> Self {
+        Self { gpu, owned: Vec::new() }
+    }
+
+    fn own<T: Pod>(&mut self, buffer: Buffer<T>) -> Buffer<T> {
+        self.owned.push(buffer.bytes());
+        buffer
+    }
+
+    pub fn allocate<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
+        self.gpu.allocate(length).map(|b| self.own(b))
+    }
+
+    pub fn zeroed<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
+        self.gpu.zeroed(length).map(|b| self.own(b))
+    }
+
+    pub fn upload<T: Pod>(&mut self, data: &[T]) -> Result<Buffer<T>, GpuError> {
+        self.gpu.upload(data).map(|b| self.own(b))
+    }
+
+    pub fn download<T: Pod>(&mut self, buffer: &Buffer<T>) -> Result<Vec<T>, GpuError> {
+        self.gpu.download(buffer)
+    }
+
+    /// The one number that a buffer holds.
+    pub fn count(&mut self, buffer: &Buffer<u32>) -> Result<u32, GpuError> {
+        Ok(self.gpu.download(buffer)?.first().copied().unwrap_or(0))
+    }
+
+    pub fn launch(&mut self, kernel: &str, shape: Shape, arguments: &[&dyn Argument]) -> Result<(), GpuError> {
+        self.gpu.launch(kernel, shape, arguments)
+    }
+
+    /// A thread for each of `count`; nothing where there is none.
+    pub fn for_each(&mut self, kernel: &str, count: usize, arguments: &[&dyn Argument]) -> Result<(), GpuError> {
+        if count == 0 {
+            return Ok(());
+        }
+        self.gpu.launch(kernel, Shape::of(count, THREADS), arguments)
+    }
+
+    /// The same of a kernel that is given the geometry before all else.
+    pub fn for_each_in(
+        &mut self,
+        geometry: &Geometry,
+        kernel: &str,
+        count: usize,
+        rest: &[&dyn Argument],
+    ) -> Result<(), GpuError> {
+        geometry.with(rest, |arguments| self.for_each(kernel, count, arguments))
+    }
+
+    /// A warp for each meshlet, of a kernel that is given the geometry and the number of meshlets before all else.
+    pub fn for_meshlets(&mut self, geometry: &Geometry, kernel: &str, rest: &[&dyn Argument]) -> Result<(), GpuError> {
+        let count = geometry.meshlets.len() as u32;
+        if count == 0 {
+            return Ok(());
+        }
+        let shape = Shape::row(count.div_ceil(WARPS), WARPS * 32);
+        let mut all: Vec<&dyn Argument> = vec![&count];
+        all.extend(rest);
+        geometry.with(&all, |arguments| self.gpu.launch(kernel, shape, arguments))
+    }
+
+    /// Memory that the frame has on the device.
+    pub fn bytes(&self) -> u64 {
+        self.owned.iter().map(|b| b.len() as u64).sum()
+    }
+
+    /// What was launched has ended.
+    pub fn finish(&mut self) -> Result<(), GpuError> {
+        self.gpu.finish()
+    }
+
+    /// Frees everything; a failed frame's memory too.
+    pub fn free(&mut self) -> Result<(), GpuError> {
+        self.owned.drain(..).try_for_each(|buffer| self.gpu.free(buffer))
+    }
+}
+
+impl Geometry {
+    fn with<R>(&self, rest: &[&dyn Argument], launch: impl FnOnce(&[&dyn Argument]) -> R) -> R {
+        let (patches, leaves, nets) = (self.patches.pointer(), self.leaves.pointer(), self.nets.pointer());
+        let (meshlets, vertices) = (self.meshlets.pointer(), self.vertices.pointer());
+        let mut all: Vec<&dyn Argument> = vec![&self.view, &patches, &leaves, &nets, &meshlets, &vertices];
+        all.extend(rest);
+        launch(&all)
+    }
+}

@@ -1,0 +1,145 @@
+//! A GPU as the frame uses it: one stream on one device, and its memory.
+
+use super::gpu::bytes_of;
+use super::{Argument, Buffer, CudaError, Gpu, GpuError, Kernels, Pod, Pointer, Shape, devices};
+use cudarc::driver::{CudaFunction, CudaSlice, CudaStream, DevicePtr, result};
+use foldhash::{HashMap, HashMapExt};
+use std::ffi::c_void;
+use std::sync::Arc;
+
+/// Launches follow each other on one stream.
+#[derive(Debug)]
+pub struct Stream {
+    name: String,
+    kernels: Kernels,
+    stream: Arc<CudaStream>,
+    /// By [`Buffer`]'s number.
+    memory: Vec<Option<CudaSlice<u8>>>,
+    unused: Vec<usize>,
+    functions: HashMap<String, CudaFunction>,
+}
+
+impl Stream {
+    /// On the device with this number.
+    pub fn new(ordinal: usize) -> Result<Self, CudaError> {
+        let kernels = Kernels::load(ordinal)?;
+        let stream = kernels.context().new_stream().map_err(CudaError::of_driver("making a CUDA stream"))?;
+        let device = devices()?.into_iter().find(|d| d.ordinal == ordinal);
+        let name = device.map(|d| format!("{}, driver {}", d.name, d.driver.version.as_deref().unwrap_or("unknown")));
+        Ok(Self {
+            name: name.unwrap_or_default(),
+            kernels,
+            stream,
+            memory: Vec::new(),
+            unused: Vec::new(),
+            functions: HashMap::new(),
+        })
+    }
+
+    /// The device and its driver, as rows of measurements name them.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn keep<T>(&mut self, slice: CudaSlice<u8>, length: usize) -> Buffer<T> {
+        let bits = slice.device_ptr(&self.stream).0;
+        let number = self.unused.pop().unwrap_or(self.memory.len());
+        if number == self.memory.len() {
+            self.memory.push(None);
+        }
+        self.memory[number] = Some(slice);
+        Buffer { pointer: Pointer::new(bits), number, length }
+    }
+
+    fn slice<T>(&self, buffer: &Buffer<T>) -> Result<&CudaSlice<u8>, CudaError> {
+        let bytes = buffer.length * size_of::<T>();
+        self.memory.get(buffer.number).and_then(Option::as_ref).ok_or(CudaError::NoSuchBuffer { bytes })
+    }
+
+    fn function(&mut self, kernel: &str) -> Result<CudaFunction, CudaError> {
+        if let Some(function) = self.functions.get(kernel) {
+            return Ok(function.clone());
+        }
+        let function = self.kernels.get(kernel)?;
+        self.functions.insert(kernel.into(), function.clone());
+        Ok(function)
+    }
+}
+
+/// The driver makes no allocations of nothing.
+fn room<T>(length: usize) -> usize {
+    (length * size_of::<T>()).max(1)
+}
+
+impl Gpu for Stream {
+    fn allocate<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
+        // SAFETY: the bytes hold anything, as callers are told; kernels write them before anyone reads them.
+        let slice = unsafe { self.stream.alloc::<u8>(room::<T>(length)) };
+        let slice = slice.map_err(CudaError::of_driver("allocating memory of the GPU"))?;
+        Ok(self.keep(slice, length))
+    }
+
+    fn zeroed<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
+        let slice = self.stream.alloc_zeros::<u8>(room::<T>(length));
+        let slice = slice.map_err(CudaError::of_driver("allocating memory of the GPU"))?;
+        Ok(self.keep(slice, length))
+    }
+
+    fn upload<T: Pod>(&mut self, data: &[T]) -> Result<Buffer<T>, GpuError> {
+        if data.is_empty() {
+            return self.allocate(0);
+        }
+        let slice = self.stream.clone_htod(bytes_of(data));
+        let slice = slice.map_err(CudaError::of_driver("copying data to the GPU"))?;
+        Ok(self.keep(slice, data.len()))
+    }
+
+    fn download<T: Pod>(&mut self, buffer: &Buffer<T>) -> Result<Vec<T>, GpuError> {
+        // SAFETY: any bytes are a T, zeros too.
+        let mut data: Vec<T> = vec![unsafe { std::mem::zeroed() }; buffer.length];
+        let bytes = size_of_val(&data[..]);
+        if bytes > 0 {
+            let slice = self.slice(buffer)?.slice(..bytes);
+            // SAFETY: the bytes of the vector, borrowed exclusively; any bytes are a T.
+            let target = unsafe { std::slice::from_raw_parts_mut(data.as_mut_ptr().cast::<u8>(), bytes) };
+            self.stream.memcpy_dtoh(&slice, target).map_err(CudaError::of_driver("copying data from the GPU"))?;
+        }
+        self.finish()?;
+        Ok(data)
+    }
+
+    fn free<T: Pod>(&mut self, buffer: Buffer<T>) -> Result<(), GpuError> {
+        self.slice(&buffer)?;
+        // Given back in the order of the stream: what runs still has it.
+        self.memory[buffer.number] = None;
+        self.unused.push(buffer.number);
+        Ok(())
+    }
+
+    fn launch(&mut self, kernel: &str, shape: Shape, arguments: &[&dyn Argument]) -> Result<(), GpuError> {
+        let function = self.function(kernel)?;
+        let context = self.kernels.context();
+        context.bind_to_thread().map_err(CudaError::of_driver("choosing the GPU"))?;
+        let mut parameters: Vec<*mut c_void> =
+            arguments.iter().map(|a| a.bytes().as_ptr().cast_mut().cast::<c_void>()).collect();
+        let ([gx, gy, gz], [bx, by, bz]) = (shape.grid, shape.block);
+        // SAFETY: the parameters are the kernel's own, in order (on the CPU each is checked by number and size); the driver
+        // reads them before this call ends.
+        let launched = unsafe {
+            result::launch_kernel(
+                function.cu_function(),
+                (gx, gy, gz),
+                (bx, by, bz),
+                shape.dynamic_bytes,
+                self.stream.cu_stream(),
+                &mut parameters,
+            )
+        };
+        launched.map_err(CudaError::of_kernel(kernel))?;
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(), GpuError> {
+        Ok(self.stream.synchronize().map_err(CudaError::of_driver("waiting for the GPU"))?)
+    }
+}

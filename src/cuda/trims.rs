@@ -1,0 +1,96 @@
+//! Trim trees in a device's memory, for `kernels/trim_tree.cuh`.
+
+use super::{Buffer, Gpu, GpuError, Pod, Pointer, abi};
+use crate::scene::{Clip, Exit, Node, Segment, Tree, Trims};
+use glam::DVec3;
+
+/// The lists of all trim trees; a tree's number is that of `PatchTrim::tree`.
+#[derive(Clone, Copy, Debug)]
+pub struct TrimsOnDevice {
+    trees: Buffer<abi::TrimTree>,
+    nodes: Buffer<abi::TrimNode>,
+    clips: Buffer<abi::TrimClip>,
+    segments: Buffer<abi::TrimSegment>,
+    points: Buffer<abi::TrimPoint>,
+}
+
+/// What kernels get of them: `trims::Trims`.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct TrimPointers {
+    trees: Pointer<abi::TrimTree>,
+    nodes: Pointer<abi::TrimNode>,
+    clips: Pointer<abi::TrimClip>,
+    segments: Pointer<abi::TrimSegment>,
+    points: Pointer<abi::TrimPoint>,
+}
+
+macro_rules! pods {
+    ($($structure:ty)*) => { $(
+        // SAFETY: plain numbers, or pointers, that fill all of it; what bindgen made is what the kernels include.
+        #[allow(unsafe_code)]
+        unsafe impl Pod for $structure {}
+    )* };
+}
+pods!(abi::TrimTree abi::TrimNode abi::TrimClip abi::TrimSegment abi::TrimPoint TrimPointers);
+
+impl TrimsOnDevice {
+    pub fn upload<G: Gpu>(gpu: &mut G, trims: &Trims) -> Result<Self, GpuError> {
+        let point = |p: &DVec3| abi::TrimPoint { x: p.x, y: p.y, w: p.z };
+        Ok(Self {
+            trees: gpu.upload(&trims.trees.iter().map(tree).collect::<Vec<_>>())?,
+            nodes: gpu.upload(&trims.nodes.iter().map(node).collect::<Vec<_>>())?,
+            clips: gpu.upload(&trims.clips.iter().map(clip).collect::<Vec<_>>())?,
+            segments: gpu.upload(&trims.segments.iter().map(segment).collect::<Vec<_>>())?,
+            points: gpu.upload(&trims.points.iter().map(point).collect::<Vec<_>>())?,
+        })
+    }
+
+    /// What a kernel gets.
+    pub fn pointers(&self) -> TrimPointers {
+        TrimPointers {
+            trees: self.trees.pointer(),
+            nodes: self.nodes.pointer(),
+            clips: self.clips.pointer(),
+            segments: self.segments.pointer(),
+            points: self.points.pointer(),
+        }
+    }
+
+    pub fn free<G: Gpu>(self, gpu: &mut G) -> Result<(), GpuError> {
+        gpu.free(self.trees)?;
+        gpu.free(self.nodes)?;
+        gpu.free(self.clips)?;
+        gpu.free(self.segments)?;
+        gpu.free(self.points)
+    }
+}
+
+fn tree(tree: &Tree) -> abi::TrimTree {
+    let Tree { root, bounds, gap } = *tree;
+    abi::TrimTree { low: bounds.low, high: bounds.high, gap, root, unused: 0 }
+}
+
+fn clip(clip: &Clip) -> abi::TrimClip {
+    let exit = match clip.exit {
+        None => abi::EXIT_NONE,
+        Some(Exit::Lower) => abi::EXIT_LOWER,
+        Some(Exit::Upper) => abi::EXIT_UPPER,
+    };
+    abi::TrimClip { heights: clip.heights, segment: clip.segment, exit }
+}
+
+fn segment(segment: &Segment) -> abi::TrimSegment {
+    let Segment { ends, gap, first, count } = *segment;
+    abi::TrimSegment { ends, gap, first, count }
+}
+
+fn node(node: &Node) -> abi::TrimNode {
+    match *node {
+        Node::Split { axis, at, children } => abi::TrimNode { at, first: children, tag: axis.into() },
+        Node::Cell { first, count, inside } => {
+            let inside = if inside { abi::NODE_INSIDE } else { 0 };
+            abi::TrimNode { at: 0.0, first, tag: abi::NODE_CELL | inside | count << abi::NODE_COUNT_SHIFT }
+        }
+    }
+}

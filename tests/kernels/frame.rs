@@ -1,0 +1,82 @@
+//! Whole frames by the GPU's kernels against the CPU's, word for word.
+
+use halfpixel::emulated::{Device, Schedule};
+use halfpixel::import;
+use halfpixel::scene::{Scene, ViewSpec, prepare};
+use halfpixel::stages::{Bound, Engine, Fill, Frame, Options, Renderer};
+
+fn scene(name: &str) -> Scene {
+    prepare(&import::load(name).expect("a model"), &|_, _| {}).expect("a scene")
+}
+
+/// Words, parameters and colours of both frames are the same.
+fn same(scene: &Scene, view: &ViewSpec, options: &Options, schedule: Schedule, what: &str) {
+    let camera = view.camera(&scene.bounds).expect("a camera");
+    let expected = Renderer::new(scene).render(&camera, options).expect("a frame");
+    let engine = Engine::Emulated(Box::new(Device::new(schedule, 2)));
+    let found = Renderer::with(scene, engine).render(&camera, options).expect("no fault");
+    let [width, height] = camera.size;
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let different: Vec<_> = pixels.filter(|&(x, y)| differ(&found, &expected, x, y)).collect();
+    let show =
+        |frame: &Frame, (x, y)| format!("{:x} {:?} {:?}", frame.word(x, y), frame.pixel(x, y), frame.color(x, y));
+    let first: Vec<String> = (different.iter().take(3))
+        .map(|&at| format!("{at:?}: {}\n  instead of {}", show(&found, at), show(&expected, at)))
+        .collect();
+    assert!(different.is_empty(), "{what}: {} pixels differ\n{}", different.len(), first.join("\n"));
+    assert_eq!(found.stats.filled, expected.stats.filled, "{what}");
+    assert_eq!(found.stats.drawn, expected.stats.drawn, "{what}");
+}
+
+fn differ(a: &Frame, b: &Frame, x: u32, y: u32) -> bool {
+    a.word(x, y) != b.word(x, y) || a.pixel(x, y) != b.pixel(x, y) || a.color(x, y) != b.color(x, y)
+}
+
+#[test]
+fn frames_are_those_of_the_cpu() {
+    for name in ["builtin:teapot", "builtin:torus", "builtin:stress"] {
+        let scene = scene(name);
+        for bound in [Bound::Screen, Bound::Eter] {
+            for fill in [Fill::Stroke, Fill::Eter, Fill::Conservative, Fill::Off] {
+                for (orthographic, refine, zoom) in [(false, 2, 1.0), (true, 2, 1.0), (false, 0, 1.0), (false, 2, 8.0)]
+                {
+                    let view = ViewSpec { size: [160, 120], orthographic, zoom, ..ViewSpec::default() };
+                    let options = Options { bound, fill, refine, ..Options::default() };
+                    let what = format!("{name} {bound:?} {fill:?} {orthographic} {refine} {zoom}");
+                    same(&scene, &view, &options, Schedule::default(), &what);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn trimmed_frames_are_those_of_the_cpu() {
+    for name in ["plate", "wedge", "drilled", "gap", "ball", "bowl", "degree22", "touching"]
+        .map(|n| format!("builtin:trimmed:{n}"))
+    {
+        let scene = scene(&name);
+        for fill in [Fill::Stroke, Fill::Eter] {
+            for (orthographic, refine, zoom) in [(false, 2, 1.0), (true, 2, 1.0), (false, 0, 1.0), (false, 2, 8.0)] {
+                let view = ViewSpec { size: [160, 120], orthographic, zoom, ..ViewSpec::default() };
+                let options = Options { fill, refine, ..Options::default() };
+                same(
+                    &scene,
+                    &view,
+                    &options,
+                    Schedule::default(),
+                    &format!("{name} {fill:?} {orthographic} {refine} {zoom}"),
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn frames_are_the_same_in_any_order() {
+    let scene = scene("builtin:trimmed:drilled");
+    let view = ViewSpec { size: [80, 60], ..ViewSpec::default() };
+    for schedule in Schedule::adversarial() {
+        same(&scene, &view, &Options::default(), schedule, &format!("{schedule:?}"));
+    }
+}
