@@ -166,10 +166,11 @@ extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(settle_n
 KERNEL(settle_find)
 
 // Gives each pixel its part of the list of candidates; `total`: how many there are.
-extern "C" __global__ void __launch_bounds__(THREADS) settle_allocate(Buffer<Filled> pixels, uint32_t count, Buffer<uint32_t> total) {
+extern "C" __global__ void __launch_bounds__(THREADS) settle_allocate(Buffer<Filled> pixels, uint32_t count, Buffer<Word> total) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k < count) {
-        pixels[k].first = atomicAdd(&total[0], pixels[k].candidates);
+        // Of no use where the total does not fit 32 bits; the host looks at that first.
+        pixels[k].first = uint32_t(atomicAdd(&total[0], Word(pixels[k].candidates)));
     }
 }
 KERNEL(settle_allocate)

@@ -22,20 +22,6 @@ pub mod FillRule {
     pub const FILL_CONSERVATIVE: Type = 2;
     pub const FILL_OFF: Type = 3;
 }
-pub mod GridClass {
-    #[allow(unused_imports)]
-    use super::*;
-    /// How a grid is drawn by the fused frame: what one lane is given (research "kernel-study", question 3).
-    pub type Type = u32;
-    /// 1 x 1 quad: a thread a patch, from the four corners alone.
-    pub const GRID_CORNERS: Type = 0;
-    /// 1 x k quads: a thread a patch.
-    pub const GRID_ROW: Type = 1;
-    /// Up to 3 quads across: 4 lanes a patch.
-    pub const GRID_NARROW: Type = 2;
-    /// Up to 7 quads across: 8 lanes a patch. Larger grids are cut into meshlets of this class.
-    pub const GRID_WIDE: Type = 3;
-}
 /// A homogeneous point; loaded and stored 16 bytes at a time.
 #[repr(C)]
 #[repr(align(16))]
