@@ -337,6 +337,8 @@ struct alignas(16) ScenePatch {
     double origin[3];
     double cone_axis[3];
     double cone_cos;
+    /// All of it lies so near to its origin.
+    double radius;
     /// In the plane of its face's trims: u, v.
     double domain[2][2];
     /// S_uu, S_uv, S_vv.
@@ -346,7 +348,7 @@ struct alignas(16) ScenePatch {
     /// Largest gap of the curves along its borders.
     double gap;
     uint32_t rim;
-    uint32_t unused;
+    uint32_t unused[3];
 };
 
 /// An instance: it draws a range of the scene's patches.

@@ -651,6 +651,8 @@ pub struct ScenePatch {
     pub origin: [f64; 3usize],
     pub cone_axis: [f64; 3usize],
     pub cone_cos: f64,
+    /// All of it lies so near to its origin.
+    pub radius: f64,
     /// In the plane of its face's trims: u, v.
     pub domain: [[f64; 2usize]; 2usize],
     /// S_uu, S_uv, S_vv.
@@ -660,11 +662,11 @@ pub struct ScenePatch {
     /// Largest gap of the curves along its borders.
     pub gap: f64,
     pub rim: u32,
-    pub unused: u32,
+    pub unused: [u32; 3usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of ScenePatch"][::core::mem::size_of::<ScenePatch>() - 288usize];
+    ["Size of ScenePatch"][::core::mem::size_of::<ScenePatch>() - 304usize];
     ["Alignment of ScenePatch"][::core::mem::align_of::<ScenePatch>() - 16usize];
     [
         "Offset of field: ScenePatch::points",
@@ -694,26 +696,29 @@ const _: () = {
         "Offset of field: ScenePatch::cone_cos",
     ][::core::mem::offset_of!(ScenePatch, cone_cos) - 64usize];
     [
+        "Offset of field: ScenePatch::radius",
+    ][::core::mem::offset_of!(ScenePatch, radius) - 72usize];
+    [
         "Offset of field: ScenePatch::domain",
-    ][::core::mem::offset_of!(ScenePatch, domain) - 72usize];
+    ][::core::mem::offset_of!(ScenePatch, domain) - 80usize];
     [
         "Offset of field: ScenePatch::enclosure_low",
-    ][::core::mem::offset_of!(ScenePatch, enclosure_low) - 104usize];
+    ][::core::mem::offset_of!(ScenePatch, enclosure_low) - 112usize];
     [
         "Offset of field: ScenePatch::enclosure_high",
-    ][::core::mem::offset_of!(ScenePatch, enclosure_high) - 176usize];
+    ][::core::mem::offset_of!(ScenePatch, enclosure_high) - 184usize];
     [
         "Offset of field: ScenePatch::enclosure_radius",
-    ][::core::mem::offset_of!(ScenePatch, enclosure_radius) - 248usize];
+    ][::core::mem::offset_of!(ScenePatch, enclosure_radius) - 256usize];
     [
         "Offset of field: ScenePatch::gap",
-    ][::core::mem::offset_of!(ScenePatch, gap) - 272usize];
+    ][::core::mem::offset_of!(ScenePatch, gap) - 280usize];
     [
         "Offset of field: ScenePatch::rim",
-    ][::core::mem::offset_of!(ScenePatch, rim) - 280usize];
+    ][::core::mem::offset_of!(ScenePatch, rim) - 288usize];
     [
         "Offset of field: ScenePatch::unused",
-    ][::core::mem::offset_of!(ScenePatch, unused) - 284usize];
+    ][::core::mem::offset_of!(ScenePatch, unused) - 292usize];
 };
 /// An instance: it draws a range of the scene's patches.
 #[repr(C)]
