@@ -459,7 +459,8 @@ struct alignas(8) MeshletCounts {
     uint64_t quads;
     /// Meshlets of trimmed leaves that no curve crosses.
     uint32_t inside;
-    uint32_t unused;
+    /// Those that one may cross.
+    uint32_t boundary;
 };
 
 /// A point of a surface and its unit normal: what ETER's table 1 counts.
@@ -477,4 +478,12 @@ struct alignas(16) SurfaceFrame {
     float along_v[3];
     /// As in `SurfacePoint`.
     float normal[3];
+};
+
+/// What a pixel shows: `Pixel` in src/stages/frame.rs. (u, v) are in the source patch's unit square.
+struct Shown {
+    double interpolated[2];
+    double stored[2];
+    uint32_t instance;
+    uint32_t patch;
 };

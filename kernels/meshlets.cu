@@ -106,6 +106,7 @@ extern "C" __global__ void __launch_bounds__(128)
         states[number] = uint8_t(BLOCK_OUTSIDE | BLOCK_CUT);
     } else if (region == REGION_BOUNDARY) {
         meshlets[number].tested = 1;
+        atomicAdd(&counts[0].boundary, 1u);
     } else {
         atomicAdd(&counts[0].inside, 1u);
     }

@@ -976,7 +976,8 @@ pub struct MeshletCounts {
     pub quads: u64,
     /// Meshlets of trimmed leaves that no curve crosses.
     pub inside: u32,
-    pub unused: u32,
+    /// Those that one may cross.
+    pub boundary: u32,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
@@ -989,8 +990,8 @@ const _: () = {
         "Offset of field: MeshletCounts::inside",
     ][::core::mem::offset_of!(MeshletCounts, inside) - 8usize];
     [
-        "Offset of field: MeshletCounts::unused",
-    ][::core::mem::offset_of!(MeshletCounts, unused) - 12usize];
+        "Offset of field: MeshletCounts::boundary",
+    ][::core::mem::offset_of!(MeshletCounts, boundary) - 12usize];
 };
 /// A point of a surface and its unit normal: what ETER's table 1 counts.
 #[repr(C)]
@@ -1040,4 +1041,26 @@ const _: () = {
     [
         "Offset of field: SurfaceFrame::normal",
     ][::core::mem::offset_of!(SurfaceFrame, normal) - 36usize];
+};
+/// What a pixel shows: `Pixel` in src/stages/frame.rs. (u, v) are in the source patch's unit square.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Shown {
+    pub interpolated: [f64; 2usize],
+    pub stored: [f64; 2usize],
+    pub instance: u32,
+    pub patch: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Shown"][::core::mem::size_of::<Shown>() - 40usize];
+    ["Alignment of Shown"][::core::mem::align_of::<Shown>() - 8usize];
+    [
+        "Offset of field: Shown::interpolated",
+    ][::core::mem::offset_of!(Shown, interpolated) - 0usize];
+    ["Offset of field: Shown::stored"][::core::mem::offset_of!(Shown, stored) - 16usize];
+    [
+        "Offset of field: Shown::instance",
+    ][::core::mem::offset_of!(Shown, instance) - 32usize];
+    ["Offset of field: Shown::patch"][::core::mem::offset_of!(Shown, patch) - 36usize];
 };

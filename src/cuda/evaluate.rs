@@ -1,8 +1,9 @@
 //! evaluate, host side: a frame's patches and meshlets as `kernels/abi.h` describes them.
 
-use super::abi;
 use super::precision::{Arithmetic, Hull, Kernel};
 use super::selection::{Clocks, Precision};
+use super::session::{Geometry, Session};
+use super::{Argument, Buffer, Gpu, GpuError, Pointer, Shape, abi};
 use crate::stages::cull::Leaves;
 use crate::stages::estimate::Tessellation;
 use crate::stages::evaluate::Meshlets;
@@ -104,6 +105,41 @@ impl Staged {
         }
         bins.into_iter().map(|(kernel, meshlets)| (kernel.to_string(), meshlets)).collect()
     }
+}
+
+/// The vertices of all meshlets of a frame, in f32 or in each patch's own arithmetic.
+pub(crate) fn evaluate<G: Gpu>(
+    session: &mut Session<G>,
+    geometry: &Geometry,
+    arithmetics: Option<&Buffer<u8>>,
+) -> Result<(), GpuError> {
+    let Geometry { view, patches, nets, basis, meshlets, vertices, .. } = geometry;
+    let all = meshlets.len();
+    let kernels: Vec<String> = Kernel::all().map(|kernel| kernel.to_string()).collect();
+    let arithmetics = arithmetics.map_or(Pointer::NULL, Buffer::pointer);
+    let sort = |session: &mut Session<G>, firsts: Pointer<u32>, out: Pointer<abi::Meshlet>| {
+        let counts = session.zeroed::<u32>(kernels.len())?;
+        let (patches, meshlets, places) = (patches.pointer(), meshlets.pointer(), counts.pointer());
+        let arguments: [&dyn Argument; 7] = [&patches, &arithmetics, &meshlets, &(all as u32), &places, &firsts, &out];
+        session.for_each("evaluate_bins", all, &arguments)?;
+        Ok::<_, GpuError>(counts)
+    };
+    let counts = sort(session, Pointer::NULL, Pointer::NULL)?;
+    let counts = session.download(&counts)?;
+    let mut firsts = vec![0u32; counts.len()];
+    for k in 1..counts.len() {
+        firsts[k] = firsts[k - 1] + counts[k - 1];
+    }
+    let sorted = session.allocate::<abi::Meshlet>(all)?.pointer();
+    let places = session.upload(&firsts)?.pointer();
+    sort(session, places, sorted)?;
+    for ((kernel, &first), &count) in kernels.iter().zip(&firsts).zip(&counts).filter(|(_, count)| **count > 0) {
+        let shape = Shape::row(count.div_ceil(WARPS), WARPS * 32);
+        let (patches, nets, basis) = (patches.pointer(), nets.pointer(), basis.pointer());
+        let (meshlets, vertices) = (sorted.offset(first as usize), vertices.pointer());
+        session.launch(kernel, shape, &[view, &patches, &meshlets, &nets, &basis, &vertices, &count])?;
+    }
+    Ok(())
 }
 
 pub(crate) fn view(lens: &Lens, options: &Options) -> abi::View {

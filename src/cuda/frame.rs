@@ -1,9 +1,9 @@
 //! The staged frame: every stage after estimate, one kernel after the other (ETER's own shape).
 
-use super::evaluate::{Staged, WARPS};
+use super::evaluate::evaluate;
 use super::session::{Geometry, Session};
-use super::trims::{TrimPointers, TrimsOnDevice};
-use super::{Argument, Buffer, Gpu, GpuError, Pointer, Shape, abi};
+use super::trims::TrimPointers;
+use super::{Argument, Buffer, Gpu, GpuError, Pointer, abi};
 use crate::stages::TrimCounts;
 
 /// Pixels in doubt that a frame has room for before it has seen how many there are.
@@ -23,6 +23,7 @@ pub(crate) struct Drawn {
     pub parameters: Vec<[f32; 2]>,
     /// Linear RGB; meaningless where `near` is 0.
     pub color: Vec<[f32; 3]>,
+    pub shown: Vec<abi::Shown>,
     /// Pixels that were filled, ascending.
     pub filled: Vec<u32>,
     /// Fragments that were tested and what became of them.
@@ -33,19 +34,25 @@ pub(crate) struct Drawn {
 /// Where stages end: their name, once they have.
 pub(crate) type Ended<'a> = &'a mut dyn FnMut(&'static str);
 
-/// Draws what cull and estimate left. `doubtful`: pixels are in doubt where their exact depth is not what was taken for it.
-pub(crate) fn draw<G: Gpu>(
-    gpu: &mut G,
-    staged: &Staged,
-    trims: &TrimsOnDevice,
-    doubtful: bool,
-    ended: Ended,
-) -> Result<Drawn, GpuError> {
-    let mut session = Session::new(gpu);
-    let stages = Stages::new(&mut session, staged, trims.pointers());
-    let drawn = stages.and_then(|mut stages| stages.run(staged, doubtful, ended));
-    session.free()?;
-    drawn
+/// What cull, estimate and the list of meshlets left on the device.
+pub(crate) struct Input {
+    pub view: abi::View,
+    pub patches: Buffer<abi::Patch>,
+    pub leaves: Buffer<abi::Leaf>,
+    pub nets: Buffer<abi::Point>,
+    pub basis: Buffer<f32>,
+    pub meshlets: Buffer<abi::Meshlet>,
+    /// Vertices of all meshlets.
+    pub vertices: u64,
+    pub trims: TrimPointers,
+    /// The scene has trims: meshlets may have to be tested, and pixels whose exact depth is not what was taken for it are in
+    /// doubt.
+    pub trimmed: bool,
+}
+
+/// Draws it; `ended` is told where stages end.
+pub(crate) fn draw<G: Gpu>(session: &mut Session<'_, G>, input: &Input, ended: Ended) -> Result<Drawn, GpuError> {
+    Stages::new(session, input)?.run(input, ended)
 }
 
 struct Stages<'s, 'g, G: Gpu> {
@@ -69,19 +76,12 @@ struct Pixels {
 }
 
 impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
-    fn new(session: &'s mut Session<'g, G>, staged: &Staged, trims: TrimPointers) -> Result<Self, GpuError> {
-        let view = staged.view;
+    fn new(session: &'s mut Session<'g, G>, input: &Input) -> Result<Self, GpuError> {
+        let Input { view, patches, leaves, nets, basis, meshlets, trims, .. } = *input;
         let pixels = view.size[0] as usize * view.size[1] as usize;
-        let geometry = Geometry {
-            view,
-            patches: session.upload(&staged.patches)?,
-            leaves: session.upload(&staged.leaves)?,
-            nets: session.upload(&staged.nets)?,
-            meshlets: session.upload(&staged.meshlets)?,
-            vertices: session.allocate(staged.vertices)?,
-        };
+        let vertices = session.allocate(input.vertices as usize)?;
         Ok(Self {
-            geometry,
+            geometry: Geometry { view, patches, leaves, nets, basis, meshlets, vertices },
             trims,
             near: session.zeroed(pixels)?,
             spare: session.zeroed(pixels)?,
@@ -92,55 +92,41 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         })
     }
 
-    fn run(&mut self, staged: &Staged, doubtful: bool, ended: Ended) -> Result<Drawn, GpuError> {
-        self.evaluate(staged)?;
+    fn run(&mut self, input: &Input, ended: Ended) -> Result<Drawn, GpuError> {
+        evaluate(self.session, &self.geometry, None)?;
         self.end("evaluate", ended)?;
         let (near, spare) = (self.near.pointer(), self.spare.pointer());
         self.session.for_meshlets(&self.geometry, "rasterize_triangles", &[&near])?;
         self.session.for_meshlets(&self.geometry, "rasterize_strokes", &[&near, &spare])?;
         self.end("rasterize", ended)?;
-        let trim = if staged.meshlets.iter().any(|m| m.tested != 0) { self.trim()? } else { TrimCounts::default() };
+        let trim = if input.trimmed { self.trim()? } else { TrimCounts::default() };
         self.end("trim", ended)?;
         let filled = self.fill()?;
         self.end("fill", ended)?;
-        let filled = self.shade(filled, doubtful)?;
+        let filled = self.shade(filled, input.trimmed)?;
         self.end("shade", ended)?;
         Ok(Drawn {
             near: self.session.download(&self.near)?,
             parameters: self.session.download(&self.parameters)?,
             color: self.session.download(&self.color)?,
+            shown: self.shown()?,
             filled,
             trim,
             buffer_bytes: self.session.bytes(),
         })
     }
 
+    /// By pixel, for whoever asks the finished frame.
+    fn shown(&mut self) -> Result<Vec<abi::Shown>, GpuError> {
+        let shown = self.session.zeroed(self.pixels())?;
+        let (near, parameters, out) = (self.near.pointer(), self.parameters.pointer(), shown.pointer());
+        self.session.for_each_in(&self.geometry, "shown_pixels", self.pixels(), &[&near, &parameters, &out])?;
+        self.session.download(&shown)
+    }
+
     fn end(&mut self, stage: &'static str, ended: Ended) -> Result<(), GpuError> {
         self.session.finish()?;
         ended(stage);
-        Ok(())
-    }
-
-    fn evaluate(&mut self, staged: &Staged) -> Result<(), GpuError> {
-        let basis = self.session.upload(&staged.basis)?;
-        for (kernel, meshlets) in staged.bins() {
-            let count = meshlets.len() as u32;
-            let meshlets = self.session.upload(&meshlets)?;
-            let Geometry { view, patches, nets, vertices, .. } = &self.geometry;
-            self.session.launch(
-                &kernel,
-                Shape::row(count.div_ceil(WARPS), WARPS * 32),
-                &[
-                    view,
-                    &patches.pointer(),
-                    &meshlets.pointer(),
-                    &nets.pointer(),
-                    &basis.pointer(),
-                    &vertices.pointer(),
-                    &count,
-                ],
-            )?;
-        }
         Ok(())
     }
 

@@ -38,6 +38,11 @@ impl<T> Pointer<T> {
     pub(crate) fn new(bits: u64) -> Self {
         Self { bits, element: PhantomData }
     }
+
+    /// So many elements further on.
+    pub(crate) fn offset(self, elements: usize) -> Self {
+        Self::new(self.bits + (elements * size_of::<T>()) as u64)
+    }
 }
 
 /// An allocation of a device, freed with the device or by [`Gpu::free`].

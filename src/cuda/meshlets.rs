@@ -26,6 +26,7 @@ pub(crate) struct Meshlets {
     pub quads: u64,
     /// Of trimmed leaves: those that no curve crosses, and those that were dropped.
     pub inside: u64,
+    pub boundary: u64,
     pub outside: u64,
 }
 
@@ -50,7 +51,7 @@ pub(crate) fn meshlets<G: Gpu>(session: &mut Session<G>, seen: &Seen, leaves: &L
         &[&(count as u32), &patches, &first_blocks.pointer(), &first_vertices.pointer(), &meshlets.pointer()],
     )?;
     let counts = session.zeroed::<abi::MeshletCounts>(1)?;
-    let mut all = Meshlets { meshlets, vertices, quads: 0, inside: 0, outside: 0 };
+    let mut all = Meshlets { meshlets, vertices, quads: 0, inside: 0, boundary: 0, outside: 0 };
     if seen.view.trim != 0 && seen.scene.trimmed {
         all = trim(session, seen, leaves, all, &counts)?;
     }
@@ -58,7 +59,7 @@ pub(crate) fn meshlets<G: Gpu>(session: &mut Session<G>, seen: &Seen, leaves: &L
     // Whole warps: they sum together.
     session.for_each("meshlet_quads", kept, &[&(kept as u32), &all.meshlets.pointer(), &counts.pointer()])?;
     let counts = session.download(&counts)?[0];
-    Ok(Meshlets { quads: counts.quads, inside: counts.inside.into(), ..all })
+    Ok(Meshlets { quads: counts.quads, inside: counts.inside.into(), boundary: counts.boundary.into(), ..all })
 }
 
 /// Drops what lies outside the trims, and marks what curves cross.

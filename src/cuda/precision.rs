@@ -74,6 +74,15 @@ pub struct Kernel {
     degree: u8,
 }
 
+impl Kernel {
+    /// By bin of kernels/bins.cu.
+    pub(crate) fn all() -> impl Iterator<Item = Self> {
+        let f32s = (0..=LARGEST_TENSOR_DEGREE).map(|degree| Self { arithmetic: Arithmetic::F32, degree });
+        let others = [Arithmetic::F16, Arithmetic::F16Recovered, Arithmetic::Tf32, Arithmetic::Tf32Recovered];
+        f32s.chain(others.map(|arithmetic| Self { arithmetic, degree: 0 }))
+    }
+}
+
 impl fmt::Display for Kernel {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self.arithmetic {

@@ -20,6 +20,7 @@ pub(crate) struct Geometry {
     pub patches: Buffer<abi::Patch>,
     pub leaves: Buffer<abi::Leaf>,
     pub nets: Buffer<abi::Point>,
+    pub basis: Buffer<f32>,
     pub meshlets: Buffer<abi::Meshlet>,
     pub vertices: Buffer<abi::Vertex>,
 }

@@ -12,7 +12,7 @@ macro_rules! pods {
         unsafe impl Pod for abi::$structure {}
     )* };
 }
-pods!(View Patch Leaf Meshlet Point Vertex Filled Start Fragment SurfacePoint SurfaceFrame);
+pods!(View Patch Leaf Meshlet Point Vertex Filled Start Fragment Shown SurfacePoint SurfaceFrame);
 
 impl Device {
     /// The vertices of all meshlets.

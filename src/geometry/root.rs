@@ -17,7 +17,7 @@ pub fn root(a: f64, n: usize) -> f64 {
         (1..n).for_each(|_| power *= root);
         let next = root - (root - a / power) / degree;
         // Also where the power left the range of numbers.
-        if !(next < root) {
+        if next >= root || next.is_nan() {
             return root;
         }
         root = next;

@@ -1,12 +1,16 @@
-//! The frame on a device: its geometry culled and estimated here, all else by the kernels of `cuda` (staged).
+//! The frame on a device, by the kernels of `cuda` (staged).
 
+use super::device_geometry::{DeviceGeometry, GeometryCounts};
 use super::fill::Filled;
-use super::frame::{Frame, Geometry, RenderError, Renderer, Targets};
+use super::frame::{Frame, Geometry, RenderError, Renderer, Surface, Targets};
 use super::lens::Lens;
 use super::shade::{Shader, repaint};
 use super::stats::{Clock, Stats};
 use super::{Options, Show, Trim, TrimCounts};
-use crate::cuda::trims::TrimsOnDevice;
+use crate::cuda::evaluate::view;
+use crate::cuda::frame::Input;
+use crate::cuda::scene::SceneOnDevice;
+use crate::cuda::session::Session;
 use crate::cuda::{self, Gpu, frame};
 use crate::emulated;
 use crate::scene::Camera;
@@ -53,51 +57,81 @@ impl Renderer<'_> {
         if options.trim == Trim::Texture {
             return Err(RenderError::NoTextures);
         }
-        let lens = Lens::new(camera);
-        let mut clock = Clock::new();
-        let culled = self.cull(&lens, options)?;
-        clock.stage("cull");
-        let Geometry { leaves, grids } = self.estimate(&lens, options, culled)?;
-        clock.stage("estimate");
-        let meshlets = self.evaluate(&lens, options, &leaves, &grids)?;
-        let staged = self.staged_of(&lens, options, &leaves, &grids, &meshlets);
-        let doubtful = self.scene.trims.segments() > 0;
-        let trims = match self.resident {
-            Some(trims) => trims,
-            None => *self.resident.insert(TrimsOnDevice::upload(gpu, &self.scene.trims)?),
+        let scene = match self.resident {
+            Some(scene) => scene,
+            None => *self.resident.insert(SceneOnDevice::upload(gpu, self.scene)?),
         };
-        let drawn = frame::draw(gpu, &staged, &trims, doubtful, &mut |stage| clock.stage(stage))?;
-        let mut targets = Targets::of(drawn.near, drawn.parameters, drawn.color);
-        let filled = drawn.filled.iter().map(|&pixel| Filled { pixel, near: 0, start: None }).collect::<Vec<_>>();
+        let mut session = Session::new(gpu);
+        let frame = self.frame_in(&mut session, &scene, camera, options);
+        session.free()?;
+        let mut frame = frame?;
         if options.show != Show::Shaded {
-            let as_it_is = Options { refine: 0, ..*options };
-            let shader = Shader {
-                scene: self.scene,
-                lens: &lens,
-                options: &as_it_is,
-                meshlets: &meshlets,
-                leaves: &leaves.leaves,
-                nets: &leaves.nets,
-                grids: &grids,
-                textures: Vec::new(),
-            };
-            repaint(&shader, &mut targets);
+            self.explain(&mut frame)?;
         }
-        let meshlets_boundary = meshlets.meshlets.iter().filter(|m| m.tested).count() as u64;
+        Ok(frame)
+    }
+
+    fn frame_in<G: Gpu>(
+        &self,
+        session: &mut Session<G>,
+        scene: &SceneOnDevice,
+        camera: &Camera,
+        options: &Options,
+    ) -> Result<Frame, RenderError> {
+        let mut clock = Clock::new();
+        let geometry = self.geometry_on(session, scene, camera, options, &mut |stage| clock.stage(stage))?;
+        let GeometryCounts { patches_visible, quads, meshlets_outside, meshlets_inside, meshlets_boundary } =
+            geometry.counts();
+        let DeviceGeometry { leaves, meshlets } = geometry;
+        let input = Input {
+            view: view(&Lens::new(camera), options),
+            patches: leaves.patches,
+            leaves: leaves.leaves,
+            nets: leaves.nets,
+            basis: leaves.basis,
+            meshlets: meshlets.meshlets,
+            vertices: meshlets.vertices,
+            trims: scene.trims(),
+            trimmed: scene.trimmed,
+        };
+        let drawn = frame::draw(session, &input, &mut |stage| clock.stage(stage))?;
+        let filled = drawn.filled.iter().map(|&pixel| Filled { pixel, near: 0, start: None }).collect::<Vec<_>>();
+        let counts = TrimCounts { meshlets_outside, meshlets_inside, meshlets_boundary, ..TrimCounts::default() };
         let stats = Stats {
             stages: clock.stages(),
             patches: self.scene.instances.iter().map(|i| i.patches.len() as u64).sum(),
-            patches_visible: leaves.patches_visible,
-            leaves: leaves.leaves.len() as u64,
+            patches_visible,
+            leaves: leaves.patches.len() as u64,
             meshlets: meshlets.meshlets.len() as u64,
-            quads: meshlets.quads,
-            triangles: 2 * meshlets.quads,
+            quads,
+            triangles: 2 * quads,
             filled: filled.len() as u64,
-            drawn: targets.near.iter().filter(|&&word| word != 0).count() as u64,
-            trim: meshlets.trim.plus(drawn.trim).plus(TrimCounts { meshlets_boundary, ..TrimCounts::default() }),
+            drawn: drawn.near.iter().filter(|&&word| word != 0).count() as u64,
+            trim: drawn.trim.plus(counts),
             buffer_bytes: drawn.buffer_bytes,
         };
-        let (camera, options, leaves) = (*camera, *options, leaves.leaves);
-        Ok(Frame { camera, options, stats, targets, leaves, grids, meshlets, filled })
+        let targets = Targets::of(drawn.near, drawn.parameters, drawn.color);
+        let surface = Surface::Pixels(drawn.shown);
+        Ok(Frame { camera: *camera, options: *options, stats, targets, surface, filled })
+    }
+
+    /// Paints the pictures that explain a frame: by the CPU, of its own grids, which are the same.
+    fn explain(&self, frame: &mut Frame) -> Result<(), RenderError> {
+        let lens = Lens::new(&frame.camera);
+        let Geometry { leaves, grids } = self.estimate(&lens, &frame.options, self.cull(&lens, &frame.options)?)?;
+        let meshlets = self.evaluate(&lens, &frame.options, &leaves, &grids)?;
+        let as_it_is = Options { refine: 0, ..frame.options };
+        let shader = Shader {
+            scene: self.scene,
+            lens: &lens,
+            options: &as_it_is,
+            meshlets: &meshlets,
+            leaves: &leaves.leaves,
+            nets: &leaves.nets,
+            grids: &grids,
+            textures: Vec::new(),
+        };
+        repaint(&shader, &mut frame.targets);
+        Ok(())
     }
 }

@@ -23,6 +23,7 @@ pub struct GeometryCounts {
     /// Of patches that loops cut: as in `TrimCounts`.
     pub meshlets_outside: u64,
     pub meshlets_inside: u64,
+    pub meshlets_boundary: u64,
 }
 
 /// What the geometry stages left on a device.
@@ -114,6 +115,7 @@ impl DeviceGeometry {
             quads: self.meshlets.quads,
             meshlets_outside: self.meshlets.outside,
             meshlets_inside: self.meshlets.inside,
+            meshlets_boundary: self.meshlets.boundary,
         }
     }
 }

@@ -17,7 +17,7 @@ use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
 use super::trim::{textures, trim};
 use super::trim_cut::gaps;
 use super::{Bound, Options, Trim};
-use crate::cuda::{self, GpuError, abi, evaluate::Staged, trims::TrimsOnDevice};
+use crate::cuda::{self, GpuError, abi, evaluate::Staged, scene::SceneOnDevice};
 use crate::scene::{Camera, PatchTrim, Scene};
 use glam::Vec4;
 use rayon::prelude::*;
@@ -94,10 +94,17 @@ pub struct Frame {
     pub options: Options,
     pub stats: Stats,
     pub(super) targets: Targets,
-    pub(super) leaves: Vec<Leaf>,
-    pub(super) grids: Vec<Tessellation>,
-    pub(super) meshlets: Meshlets,
+    pub(super) surface: Surface,
     pub(super) filled: Vec<Filled>,
+}
+
+/// What tells which point of the model a pixel shows.
+#[derive(Debug)]
+pub(super) enum Surface {
+    /// The grids that were drawn.
+    Grids { leaves: Vec<Leaf>, grids: Vec<Tessellation>, meshlets: Meshlets },
+    /// By pixel, as a device left it.
+    Pixels(Vec<abi::Shown>),
 }
 
 /// Draws a scene; keeps its buffers from frame to frame.
@@ -106,7 +113,7 @@ pub struct Renderer<'a> {
     pub(super) scene: &'a Scene,
     engine: Engine,
     /// What the engine's device has of the scene.
-    pub(super) resident: Option<TrimsOnDevice>,
+    pub(super) resident: Option<SceneOnDevice>,
     tables: BasisTables,
     spare_targets: Option<Targets>,
 }
@@ -192,7 +199,8 @@ impl<'a> Renderer<'a> {
                 + shader.textures.iter().flatten().map(|t| t.bytes() as u64).sum::<u64>()
                 + (meshlets.bytes() + size_of_val(&nets[..]) + size_of_val(&leaves[..])) as u64,
         };
-        Ok(Frame { camera: *camera, options: *options, stats, targets, leaves, grids, meshlets, filled })
+        let surface = Surface::Grids { leaves, grids, meshlets };
+        Ok(Frame { camera: *camera, options: *options, stats, targets, surface, filled })
     }
 
     /// What the kernels of evaluate are given in a frame, and the vertices that the CPU makes of it.
@@ -366,16 +374,25 @@ impl Frame {
         if word == 0 {
             return None;
         }
-        let number = self.meshlets.meshlets[meshlet_of(word) as usize].leaf as usize;
-        let leaf = &self.leaves[number];
-        let interpolated = interpolate(&self.meshlets, self.grids[number].quads, word, x, y);
-        Some(Pixel {
-            instance: leaf.instance,
-            patch: leaf.patch,
-            interpolated: leaf.to_patch(interpolated.map(f64::from)),
-            stored: leaf.to_patch(self.targets.parameters[index].map(f64::from)),
-            depth: depth_of(word),
-            filled: self.is_filled(index, word),
+        let (depth, filled) = (depth_of(word), self.is_filled(index, word));
+        Some(match &self.surface {
+            Surface::Grids { leaves, grids, meshlets } => {
+                let number = meshlets.meshlets[meshlet_of(word) as usize].leaf as usize;
+                let leaf = &leaves[number];
+                let interpolated = interpolate(meshlets, grids[number].quads, word, x, y);
+                Pixel {
+                    instance: leaf.instance,
+                    patch: leaf.patch,
+                    interpolated: leaf.to_patch(interpolated.map(f64::from)),
+                    stored: leaf.to_patch(self.targets.parameters[index].map(f64::from)),
+                    depth,
+                    filled,
+                }
+            }
+            Surface::Pixels(pixels) => {
+                let abi::Shown { interpolated, stored, instance, patch } = pixels[index];
+                Pixel { instance, patch, interpolated, stored, depth, filled }
+            }
         })
     }
 

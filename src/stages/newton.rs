@@ -140,10 +140,10 @@ fn refine_sized<S: Simd, const N: usize>(simd: S, surface: &Surface, rounds: u32
             nt = pending.select(half[1], nt);
         }
         round += 1;
-        open = open & residual.simd_gt(f32x8::splat(simd, CONVERGED));
+        open &= residual.simd_gt(f32x8::splat(simd, CONVERGED));
         // Past the regular rounds only those go on that still get somewhere.
         if round >= rounds {
-            open = open & residual.simd_lt(before * 0.9);
+            open &= residual.simd_lt(before * 0.9);
         }
     }
     s.store_slice(&mut batch.s);

@@ -198,6 +198,7 @@ fn counts_are_the_cpus() {
                 quads: stats.quads,
                 meshlets_outside: stats.trim.meshlets_outside,
                 meshlets_inside: stats.trim.meshlets_inside,
+                meshlets_boundary: stats.trim.meshlets_boundary,
             };
             assert_eq!(found, expected, "{name}");
         }

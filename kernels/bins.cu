@@ -1,0 +1,42 @@
+// evaluate, which kernel for which meshlet: sorts a frame's meshlets into the bins that `Arithmetic::bin` of
+// src/cuda/precision.rs numbers.
+#include "topology.cuh"
+
+namespace bins {
+
+constexpr uint32_t NONE = 0xffffffffu;
+// Degrees 1 to 7 that are the same in u and v have their own kernel in f32; 0 is for any.
+constexpr uint32_t LARGEST_DEGREE = 7;
+constexpr uint32_t F32_BINS = LARGEST_DEGREE + 1;
+
+static __device__ __forceinline__ uint32_t bin_of(const Patch &patch, uint32_t arithmetic) {
+    const bool same = patch.degree[0] == patch.degree[1] && patch.degree[0] <= LARGEST_DEGREE;
+    return arithmetic > 0 ? F32_BINS + arithmetic - 1 : same ? patch.degree[0] : 0;
+}
+
+} // namespace bins
+
+// Counts the meshlets of each bin; where `out` is not null, puts them there, in any order, behind `firsts`. `arithmetics`:
+// by patch; null: all in f32.
+extern "C" __global__ void __launch_bounds__(THREADS)
+    evaluate_bins(Buffer<const Patch> patches, Buffer<const uint8_t> arithmetics, Buffer<const Meshlet> meshlets,
+                  uint32_t count, Buffer<uint32_t> counts, Buffer<const uint32_t> firsts, Buffer<Meshlet> out) {
+    const uint32_t k = blockIdx.x * THREADS + threadIdx.x;
+    uint32_t bin = bins::NONE;
+    if (k < count) {
+        const uint32_t patch = meshlets[k].patch;
+        bin = bins::bin_of(patches[patch], arithmetics ? arithmetics[patch] : 0);
+    }
+    // One atomic for all of a warp's in one bin.
+    const unsigned peers = __match_any_sync(0xffffffffu, bin);
+    const int leader = __ffs(peers) - 1, lane = threadIdx.x % 32;
+    uint32_t first = 0;
+    if (lane == leader && bin != bins::NONE) {
+        first = atomicAdd(&counts[bin], uint32_t(__popc(peers)));
+    }
+    first = __shfl_sync(0xffffffffu, first, leader);
+    if (out && bin != bins::NONE) {
+        out[firsts[bin] + first + __popc(peers & ((1u << lane) - 1))] = meshlets[k];
+    }
+}
+KERNEL(evaluate_bins)
