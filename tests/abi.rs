@@ -22,7 +22,7 @@ fn the_rust_side_of_the_abi_is_fresh() {
         .header(root().join(HEADER).to_string_lossy())
         .clang_args(["-x", "c++", "-std=c++20"])
         .raw_line(format!("//! Made by bindgen from {HEADER}: change that file, and read its comments there."))
-        .allowlist_file(".*/abi\\.h")
+        .allowlist_file(".*/abi(_scene)?\\.h")
         .constified_enum_module("GridClass")
         .constified_enum_module("FillRule")
         .constified_enum_module("Region")

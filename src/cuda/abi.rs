@@ -420,6 +420,77 @@ pub const DOUBT_DEEP: u32 = 1;
 pub const DOUBT_BESIDE: u32 = 2;
 /// Not under the centre, since the patch ends before.
 pub const DOUBT_ENDED: u32 = 3;
+/// A point of a surface and its unit normal: what ETER's table 1 counts.
+#[repr(C)]
+#[repr(align(8))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct SurfacePoint {
+    pub position: [f32; 3usize],
+    /// Along S_u x S_v; 0 where these are parallel.
+    pub normal: [f32; 3usize],
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of SurfacePoint"][::core::mem::size_of::<SurfacePoint>() - 24usize];
+    ["Alignment of SurfacePoint"][::core::mem::align_of::<SurfacePoint>() - 8usize];
+    [
+        "Offset of field: SurfacePoint::position",
+    ][::core::mem::offset_of!(SurfacePoint, position) - 0usize];
+    [
+        "Offset of field: SurfacePoint::normal",
+    ][::core::mem::offset_of!(SurfacePoint, normal) - 12usize];
+};
+/// A point of a surface with its tangents.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct SurfaceFrame {
+    pub position: [f32; 3usize],
+    /// S_u and S_v of the patch's unit square.
+    pub along_u: [f32; 3usize],
+    pub along_v: [f32; 3usize],
+    /// As in `SurfacePoint`.
+    pub normal: [f32; 3usize],
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of SurfaceFrame"][::core::mem::size_of::<SurfaceFrame>() - 48usize];
+    ["Alignment of SurfaceFrame"][::core::mem::align_of::<SurfaceFrame>() - 16usize];
+    [
+        "Offset of field: SurfaceFrame::position",
+    ][::core::mem::offset_of!(SurfaceFrame, position) - 0usize];
+    [
+        "Offset of field: SurfaceFrame::along_u",
+    ][::core::mem::offset_of!(SurfaceFrame, along_u) - 12usize];
+    [
+        "Offset of field: SurfaceFrame::along_v",
+    ][::core::mem::offset_of!(SurfaceFrame, along_v) - 24usize];
+    [
+        "Offset of field: SurfaceFrame::normal",
+    ][::core::mem::offset_of!(SurfaceFrame, normal) - 36usize];
+};
+/// What a pixel shows: `Pixel` in src/stages/frame.rs. (u, v) are in the source patch's unit square.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Shown {
+    pub interpolated: [f64; 2usize],
+    pub stored: [f64; 2usize],
+    pub instance: u32,
+    pub patch: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Shown"][::core::mem::size_of::<Shown>() - 40usize];
+    ["Alignment of Shown"][::core::mem::align_of::<Shown>() - 8usize];
+    [
+        "Offset of field: Shown::interpolated",
+    ][::core::mem::offset_of!(Shown, interpolated) - 0usize];
+    ["Offset of field: Shown::stored"][::core::mem::offset_of!(Shown, stored) - 16usize];
+    [
+        "Offset of field: Shown::instance",
+    ][::core::mem::offset_of!(Shown, instance) - 32usize];
+    ["Offset of field: Shown::patch"][::core::mem::offset_of!(Shown, patch) - 36usize];
+};
 pub mod Region {
     #[allow(unused_imports)]
     use super::*;
@@ -992,75 +1063,4 @@ const _: () = {
     [
         "Offset of field: MeshletCounts::boundary",
     ][::core::mem::offset_of!(MeshletCounts, boundary) - 12usize];
-};
-/// A point of a surface and its unit normal: what ETER's table 1 counts.
-#[repr(C)]
-#[repr(align(8))]
-#[derive(Debug, Default, Copy, Clone, PartialEq)]
-pub struct SurfacePoint {
-    pub position: [f32; 3usize],
-    /// Along S_u x S_v; 0 where these are parallel.
-    pub normal: [f32; 3usize],
-}
-#[allow(clippy::unnecessary_operation, clippy::identity_op)]
-const _: () = {
-    ["Size of SurfacePoint"][::core::mem::size_of::<SurfacePoint>() - 24usize];
-    ["Alignment of SurfacePoint"][::core::mem::align_of::<SurfacePoint>() - 8usize];
-    [
-        "Offset of field: SurfacePoint::position",
-    ][::core::mem::offset_of!(SurfacePoint, position) - 0usize];
-    [
-        "Offset of field: SurfacePoint::normal",
-    ][::core::mem::offset_of!(SurfacePoint, normal) - 12usize];
-};
-/// A point of a surface with its tangents.
-#[repr(C)]
-#[repr(align(16))]
-#[derive(Debug, Default, Copy, Clone, PartialEq)]
-pub struct SurfaceFrame {
-    pub position: [f32; 3usize],
-    /// S_u and S_v of the patch's unit square.
-    pub along_u: [f32; 3usize],
-    pub along_v: [f32; 3usize],
-    /// As in `SurfacePoint`.
-    pub normal: [f32; 3usize],
-}
-#[allow(clippy::unnecessary_operation, clippy::identity_op)]
-const _: () = {
-    ["Size of SurfaceFrame"][::core::mem::size_of::<SurfaceFrame>() - 48usize];
-    ["Alignment of SurfaceFrame"][::core::mem::align_of::<SurfaceFrame>() - 16usize];
-    [
-        "Offset of field: SurfaceFrame::position",
-    ][::core::mem::offset_of!(SurfaceFrame, position) - 0usize];
-    [
-        "Offset of field: SurfaceFrame::along_u",
-    ][::core::mem::offset_of!(SurfaceFrame, along_u) - 12usize];
-    [
-        "Offset of field: SurfaceFrame::along_v",
-    ][::core::mem::offset_of!(SurfaceFrame, along_v) - 24usize];
-    [
-        "Offset of field: SurfaceFrame::normal",
-    ][::core::mem::offset_of!(SurfaceFrame, normal) - 36usize];
-};
-/// What a pixel shows: `Pixel` in src/stages/frame.rs. (u, v) are in the source patch's unit square.
-#[repr(C)]
-#[derive(Debug, Default, Copy, Clone, PartialEq)]
-pub struct Shown {
-    pub interpolated: [f64; 2usize],
-    pub stored: [f64; 2usize],
-    pub instance: u32,
-    pub patch: u32,
-}
-#[allow(clippy::unnecessary_operation, clippy::identity_op)]
-const _: () = {
-    ["Size of Shown"][::core::mem::size_of::<Shown>() - 40usize];
-    ["Alignment of Shown"][::core::mem::align_of::<Shown>() - 8usize];
-    [
-        "Offset of field: Shown::interpolated",
-    ][::core::mem::offset_of!(Shown, interpolated) - 0usize];
-    ["Offset of field: Shown::stored"][::core::mem::offset_of!(Shown, stored) - 16usize];
-    [
-        "Offset of field: Shown::instance",
-    ][::core::mem::offset_of!(Shown, instance) - 32usize];
-    ["Offset of field: Shown::patch"][::core::mem::offset_of!(Shown, patch) - 36usize];
 };
