@@ -117,6 +117,20 @@ static __device__ __forceinline__ void mma_m16n8k16_f16(float (&d)[4], const uin
 #endif
 }
 
+// A, 16 x 16, of each four columns two: [0] (g, two of 4t..)  [1] (g + 8, two of 4t..).  B as above. `metadata`, the first
+// lane's of each four: rows g and g + 8 in 16 bits each, four bits for each four columns, the two columns, smaller one first.
+static __device__ __forceinline__ void mma_sp_m16n8k16_f16(float (&d)[4], const uint32_t (&a)[2], const uint32_t (&b)[2],
+                                                           const float (&c)[4], uint32_t metadata HP_SITE) {
+#ifdef __CUDACC__
+  asm volatile("mma.sp::ordered_metadata.sync.aligned.m16n8k16.row.col.f32.f16.f16.f32 "
+               "{%0,%1,%2,%3},{%4,%5},{%6,%7},{%8,%9,%10,%11},%12,0x0;"
+               : "=f"(d[0]), "=f"(d[1]), "=f"(d[2]), "=f"(d[3])
+               : "r"(a[0]), "r"(a[1]), "r"(b[0]), "r"(b[1]), "f"(c[0]), "f"(c[1]), "f"(c[2]), "f"(c[3]), "r"(metadata));
+#else
+  hp::mma(hp::Tile::f16_k16_sparse, d, a, b, c, site, metadata);
+#endif
+}
+
 // A, 16 x 8, tf32: [0] (g, t)  [1] (g + 8, t)  [2] (g, t + 4)  [3] (g + 8, t + 4).  B, 8 x 8: [0] (t, g)  [1] (t + 4, g)
 static __device__ __forceinline__ void mma_m16n8k8_tf32(float (&d)[4], const uint32_t (&a)[4], const uint32_t (&b)[2],
                                                         const float (&c)[4] HP_SITE) {

@@ -43,6 +43,7 @@ static __device__ __forceinline__ void meshlet(const View &view, const Buffers &
     const int degree[2] = {int(patch.degree[0]), int(patch.degree[1])};
     const int g = lane >> 2;
     const int t = lane & 3;
+    const int b = Format::rows_of_b(t);
     // Column n of D is the grid's line n / 2 + 4 (n % 2): lanes then have lines t and t + 4, and four neighbours store 64
     // bytes in a row. Lanes beyond a small meshlet do as its last row and column; they store nothing.
     const int row = m.first[0] + min(g, int(m.quads[0]));
@@ -50,10 +51,10 @@ static __device__ __forceinline__ void meshlet(const View &view, const Buffers &
     const Split<Format> basis_u = split<Format, RECOVERED>(
         load_pair<Format>(in.basis + patch.basis[0] + row * (degree[0] + 1), degree[0], t, BASIS_SCALE));
     const Split<Format> basis_v = split<Format, RECOVERED>(
-        load_pair<Format>(in.basis + patch.basis[1] + line * (degree[1] + 1), degree[1], t, BASIS_SCALE));
+        load_pair<Format>(in.basis + patch.basis[1] + line * (degree[1] + 1), degree[1], b, BASIS_SCALE));
     const Buffer<const float4> net = as<const float4>(in.nets + patch.net);
-    const float4 even = load_point(net, degree, 2 * t, g);
-    const float4 odd = load_point(net, degree, 2 * t + 1, g);
+    const float4 even = load_point(net, degree, 2 * b, g);
+    const float4 odd = load_point(net, degree, 2 * b + 1, g);
 
     Scale scales[4];
     if (Format::SCALED) {
@@ -107,5 +108,6 @@ static __device__ __forceinline__ void evaluate_meshlet(const View &view, const 
 
 EVALUATE_MMA(evaluate_f16, F16, false)
 EVALUATE_MMA(evaluate_f16_recovered, F16, true)
+EVALUATE_MMA(evaluate_f16_sparse, F16Sparse, false)
 EVALUATE_MMA(evaluate_tf32, Tf32, false)
 EVALUATE_MMA(evaluate_tf32_recovered, Tf32, true)

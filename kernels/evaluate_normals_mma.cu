@@ -30,11 +30,12 @@ static __device__ __forceinline__ Bases<Format> load_bases(const Buffers &in, co
     const int row = m.first[0] + min(g, int(m.quads[0]));
     const int line = m.first[1] + min((g >> 1) + 4 * (g & 1), int(m.quads[1]));
     const uint32_t at_u = patch.basis[0] + row * (degree[0] + 1);
+    const int b = Format::rows_of_b(t);
     const uint32_t at_v = patch.basis[1] + line * (degree[1] + 1);
     return {split<Format, RECOVERED>(load_pair<Format>(in.basis + at_u, degree[0], t, BASIS_SCALE)),
             split<Format, RECOVERED>(load_pair<Format>(in.slopes + at_u, degree[0], t, SLOPE_SCALE)),
-            split<Format, RECOVERED>(load_pair<Format>(in.basis + at_v, degree[1], t, BASIS_SCALE)),
-            split<Format, RECOVERED>(load_pair<Format>(in.slopes + at_v, degree[1], t, SLOPE_SCALE))};
+            split<Format, RECOVERED>(load_pair<Format>(in.basis + at_v, degree[1], b, BASIS_SCALE)),
+            split<Format, RECOVERED>(load_pair<Format>(in.slopes + at_v, degree[1], b, SLOPE_SCALE))};
 }
 
 // Of the lane's vertex k: x, y, z and w of S, S_u and S_v.
@@ -62,8 +63,9 @@ static __device__ __forceinline__ void meshlet(const Buffers &in, Buffer<Output>
     const int t = lane & 3;
     const Bases<Format> bases = load_bases<Format, RECOVERED>(in, patch, m, g, t);
     const Buffer<const float4> net = as<const float4>(in.nets + patch.net);
-    const float4 even = load_point(net, degree, 2 * t, g);
-    const float4 odd = load_point(net, degree, 2 * t + 1, g);
+    const int b = Format::rows_of_b(t);
+    const float4 even = load_point(net, degree, 2 * b, g);
+    const float4 odd = load_point(net, degree, 2 * b + 1, g);
     Scale scales[4];
     if (Format::SCALED) {
         scales_of(scales, even, odd);
@@ -108,6 +110,7 @@ static __device__ __forceinline__ void evaluate(const Buffers &in, Buffer<Output
 // Grids of ceil(count / 4) blocks.
 SURFACE_KERNEL(evaluate_normals_f16, SurfacePoint, evaluate_normals_mma::evaluate<tensor::F16, false>)
 SURFACE_KERNEL(evaluate_normals_f16_recovered, SurfacePoint, evaluate_normals_mma::evaluate<tensor::F16, true>)
+SURFACE_KERNEL(evaluate_normals_f16_sparse, SurfacePoint, evaluate_normals_mma::evaluate<tensor::F16Sparse, false>)
 SURFACE_KERNEL(evaluate_normals_tf32, SurfacePoint, evaluate_normals_mma::evaluate<tensor::Tf32, false>)
 SURFACE_KERNEL(evaluate_normals_tf32_recovered, SurfacePoint, evaluate_normals_mma::evaluate<tensor::Tf32, true>)
 SURFACE_KERNEL(evaluate_tangents_f16_recovered, SurfaceFrame, evaluate_normals_mma::evaluate<tensor::F16, true>)

@@ -12,6 +12,8 @@ struct F16 {
     using Pair = uint32_t;
     static constexpr bool SCALED = true;
 
+    // Which pair of rows of B the lane holds.
+    static __device__ __forceinline__ int rows_of_b(int t) { return t; }
     static __device__ __forceinline__ Pair zero() { return 0; }
     static __device__ __forceinline__ Pair round(float2 x) { return pack_half2(x.x, x.y); }
     static __device__ __forceinline__ float2 value(Pair p) { return unpack_half2(p); }
@@ -23,6 +25,20 @@ struct F16 {
     }
 };
 
+// ETER section 7.1's sparse product, half of whose A is empty: D is laid out as what is left of A. Pair t of A stands in
+// columns 4t and 4t + 1 for t = 0, 1 and in 4t + 2 and 4t + 3 for t = 2, 3. So the rows of B that it meets belong to a lane
+// each: 0, 2, 1 and 3. These lanes' other registers of B meet nothing, and may hold anything.
+struct F16Sparse : F16 {
+    static constexpr uint32_t COLUMNS = 0xee44ee44;
+
+    static __device__ __forceinline__ int rows_of_b(int t) { return (t & 1) << 1 | t >> 1; }
+    static __device__ __forceinline__ void multiply(float (&d)[4], Pair upper, Pair lower, Pair b, const float (&c)[4]) {
+        const uint32_t rows[2] = {upper, lower};
+        const uint32_t column[2] = {b, b};
+        mma_sp_m16n8k16_f16(d, rows, column, c, COLUMNS);
+    }
+};
+
 // tf32's lanes hold k = t and t + 4. Any order of k will do, if A and B have the same: 2t counts as t, 2t + 1 as t + 4.
 struct Tf32 {
     struct Pair {
@@ -31,6 +47,7 @@ struct Tf32 {
     // It has the exponents of f32.
     static constexpr bool SCALED = false;
 
+    static __device__ __forceinline__ int rows_of_b(int t) { return t; }
     static __device__ __forceinline__ Pair zero() { return {0, 0}; }
     static __device__ __forceinline__ Pair round(float2 x) { return {to_tf32(x.x), to_tf32(x.y)}; }
     static __device__ __forceinline__ float2 value(Pair p) {

@@ -4,8 +4,9 @@
 // arXiv 2512.07004, 2025): products are exact; a group of products and the accumulator are aligned to their largest exponent
 // and cut off below 23 + `extra` bits after its point; the sum is exact; the result is cut off to f32, subnormals included.
 // A product's exponent is the sum of its factors' exponents, a carry of the significands (1 <= p < 4) not counted; zeros do
-// not count. Groups follow each other along K. The model gives the recorded outputs of A100, A2, Ada and L40S (f16 and
-// tf32), H100, H200 and B200 (tf32, K = 4), 5000 of 5000 each. Not recorded, so assumed: f16 on sm_90, subnormal results.
+// not count. Groups follow each other along K; the products of a sparse tile are one. The model gives the recorded outputs of A100, A2, Ada and L40S (f16 and
+// tf32), H100, H200 and B200 (tf32, K = 4), 5000 of 5000 each. Not recorded, so assumed: f16 on sm_90, subnormal results, and
+// all of sparse tiles.
 #include <math.h>
 #include <string.h>
 
@@ -18,6 +19,7 @@ struct Operands {
   const uint32_t *a, *b;
   const float *c;
   float *d;
+  uint32_t metadata;
 };
 struct Model {
   int f16_group, tf32_group, extra;
@@ -68,7 +70,7 @@ template <Format f> static void decode_all(Matrices *m) {
 }
 
 // Registers of a lane to matrices; the layouts stand in compat.cuh.
-static void gather(Matrices *m, const Operands &o, int lane) {
+static void gather(Matrices *m, const Operands &o, int lane, uint32_t metadata) {
   int g = lane / 4, t = lane % 4;
   for (int half = 0; half < 2; half++) {
     if (m->tile == Tile::tf32_k8) {
@@ -77,11 +79,18 @@ static void gather(Matrices *m, const Operands &o, int lane) {
       m->b_bits[t + 4 * half][g] = o.b[half];
       continue;
     }
+    if (m->tile == Tile::f16_k16_sparse) {
+      // Of row g + 8 half: which of the columns from 4t on.
+      uint32_t columns = metadata >> (16 * half + 4 * t) & 15;
+      m->a_bits[g + 8 * half][4 * t + (columns & 3)] = o.a[half] & 0xffff;
+      m->a_bits[g + 8 * half][4 * t + (columns >> 2)] = o.a[half] >> 16;
+    }
     for (int block = 0; block < m->k / 8; block++) {
       int k = 8 * block + 2 * t + half, shift = 16 * half;
+      m->b_bits[k][g] = o.b[block] >> shift & 0xffff;
+      if (m->tile == Tile::f16_k16_sparse) continue;
       m->a_bits[g][k] = o.a[2 * block] >> shift & 0xffff;
       m->a_bits[g + 8][k] = o.a[2 * block + 1] >> shift & 0xffff;
-      m->b_bits[k][g] = o.b[block] >> shift & 0xffff;
     }
   }
   for (int r = 0; r < 4; r++) m->c[g + 8 * (r / 2)][2 * t + r % 2] = o.c[r];
@@ -162,7 +171,11 @@ static float sum_specially(const Matrices *m, int row, int column, float c) {
   auto value = [m](uint32_t bits) -> double {
     return m->tile == Tile::tf32_k8 ? __uint_as_float(bits & 0xffffe000u) : half_value((uint16_t)bits);
   };
-  for (int k = 0; k < m->k; k++) sum += value(m->a_bits[row][k]) * value(m->b_bits[k][column]);
+  for (int k = 0; k < m->k; k++) {
+    // What a sparse row leaves out is not multiplied.
+    if (m->tile == Tile::f16_k16_sparse && m->a_bits[row][k] == 0) continue;
+    sum += value(m->a_bits[row][k]) * value(m->b_bits[k][column]);
+  }
   float f = (float)sum;
   if (isnan(sum)) memcpy(&f, &NAN_BITS, 4);
   return f;
@@ -175,13 +188,15 @@ void evaluate_mma(Warp *w, const Group &g) {
   const Model &model = MODELS[w->lanes[0].block->run->launch.tensor_cores != 0];
   Matrices m;
   m.tile = operands(0).tile;
-  m.k = m.tile == Tile::f16_k16 ? 16 : 8;
-  for (int lane = 0; lane < 32; lane++) gather(&m, operands(lane), lane);
+  bool sparse = m.tile == Tile::f16_k16_sparse;
+  m.k = m.tile == Tile::f16_k16 || sparse ? 16 : 8;
+  if (sparse) memset(m.a_bits, 0, sizeof m.a_bits);
+  for (int lane = 0; lane < 32; lane++) gather(&m, operands(lane), lane, operands(lane & ~3).metadata);
   if (m.tile == Tile::tf32_k8) decode_all<TF32>(&m);
   else decode_all<F16>(&m);
   float c[ROWS][COLUMNS];
   memcpy(c, m.c, sizeof c);
-  int group = m.tile == Tile::tf32_k8 ? model.tf32_group : model.f16_group;
+  int group = sparse ? m.k : m.tile == Tile::tf32_k8 ? model.tf32_group : model.f16_group;
   multiply(&m, group < m.k ? group : m.k, model.extra);
   for (int row = 0; row < ROWS; row++)
     for (int column = 0; column < COLUMNS; column++)
@@ -190,8 +205,8 @@ void evaluate_mma(Warp *w, const Group &g) {
   for (int lane = 0; lane < 32; lane++) scatter(&m, operands(lane), lane);
 }
 
-void mma(Tile tile, float (&d)[4], const uint32_t *a, const uint32_t *b, const float (&c)[4], Site at) {
-  Operands o{tile, a, b, c, d};
+void mma(Tile tile, float (&d)[4], const uint32_t *a, const uint32_t *b, const float (&c)[4], Site at, uint32_t metadata) {
+  Operands o{tile, a, b, c, d, metadata};
   collective(Op::mma, ~0u, reinterpret_cast<uint64_t>(&o), 0, at);
 }
 

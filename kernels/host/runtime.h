@@ -64,8 +64,8 @@ int barrier(Op op, int predicate, Site at);
 void yield();
 void fence();
 
-enum class Tile { f16_k8, f16_k16, tf32_k8 };
-void mma(Tile tile, float (&d)[4], const uint32_t *a, const uint32_t *b, const float (&c)[4], Site at);
+enum class Tile { f16_k8, f16_k16, f16_k16_sparse, tf32_k8 };
+void mma(Tile tile, float (&d)[4], const uint32_t *a, const uint32_t *b, const float (&c)[4], Site at, uint32_t metadata = 0);
 
 // ---- kernels, found by name
 

@@ -1,10 +1,10 @@
 //! The staged frame: every stage after estimate, one kernel after the other (ETER's own shape).
 
 use super::evaluate::evaluate;
-use super::session::{Geometry, Session};
+use super::session::{Geometry, Session, THREADS};
 use super::trims::TrimPointers;
 use super::{Argument, Buffer, Gpu, GpuError, Pointer, abi};
-use crate::stages::TrimCounts;
+use crate::stages::{FrameShape, TrimCounts};
 
 /// Pixels in doubt that a frame has room for before it has seen how many there are.
 const DOUBTS: usize = 1 << 16;
@@ -14,6 +14,10 @@ const TILE: u32 = 8;
 const STARTS: usize = 4;
 /// `trim::COUNTS` of trim.cu.
 const TRIM_COUNTS: usize = 3;
+/// Classes of meshlets of rasterize.cu.
+const CLASSES: usize = 3;
+/// Blocks of kernels that go through a list of unknown length: several times as many as any device runs at once.
+const MOST_BLOCKS: usize = 1 << 13;
 const NO_SLOT: u32 = u32::MAX;
 
 /// What a device made of a frame.
@@ -44,6 +48,7 @@ pub(crate) struct Input {
     pub meshlets: Buffer<abi::Meshlet>,
     /// Vertices of all meshlets.
     pub vertices: u64,
+    pub shape: FrameShape,
     pub trims: TrimPointers,
     /// The scene has trims: meshlets may have to be tested, and pixels whose exact depth is not what was taken for it are in
     /// doubt.
@@ -79,7 +84,10 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
     fn new(session: &'s mut Session<'g, G>, input: &Input) -> Result<Self, GpuError> {
         let Input { view, patches, leaves, nets, basis, meshlets, trims, .. } = *input;
         let pixels = view.size[0] as usize * view.size[1] as usize;
-        let vertices = session.allocate(input.vertices as usize)?;
+        let vertices = match input.shape {
+            FrameShape::Fused => None,
+            FrameShape::Staged => Some(session.allocate(input.vertices as usize)?),
+        };
         Ok(Self {
             geometry: Geometry { view, patches, leaves, nets, basis, meshlets, vertices },
             trims,
@@ -93,11 +101,11 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
     }
 
     fn run(&mut self, input: &Input, ended: Ended) -> Result<Drawn, GpuError> {
-        evaluate(self.session, &self.geometry, None)?;
+        if let Some(vertices) = self.geometry.vertices {
+            evaluate(self.session, &self.geometry, &vertices, None)?;
+        }
         self.end("evaluate", ended)?;
-        let (near, spare) = (self.near.pointer(), self.spare.pointer());
-        self.session.for_meshlets(&self.geometry, "rasterize_triangles", &[&near])?;
-        self.session.for_meshlets(&self.geometry, "rasterize_strokes", &[&near, &spare])?;
+        self.rasterize()?;
         self.end("rasterize", ended)?;
         let trim = if input.trimmed { self.trim()? } else { TrimCounts::default() };
         self.end("trim", ended)?;
@@ -114,6 +122,35 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
             trim,
             buffer_bytes: self.session.bytes(),
         })
+    }
+
+    /// Triangles, then strokes where these leave room: in the fused frame by classes of meshlets, those of few lanes first,
+    /// since they hand what is too large for them on to the widest.
+    fn rasterize(&mut self) -> Result<(), GpuError> {
+        let (near, spare) = (self.near.pointer(), self.spare.pointer());
+        if self.geometry.vertices.is_some() {
+            self.session.for_meshlets(&self.geometry, "rasterize_triangles", &[&near])?;
+            return self.session.for_meshlets(&self.geometry, "rasterize_strokes", &[&near, &spare]);
+        }
+        let count = self.geometry.meshlets.len();
+        if count == 0 {
+            return Ok(());
+        }
+        let mut list = || self.session.allocate::<u32>(count).map(|list| list.pointer());
+        let (corners, narrow, wide) = (list()?, list()?, list()?);
+        let counts = self.session.zeroed::<u32>(CLASSES)?.pointer();
+        let meshlets = self.geometry.meshlets.pointer();
+        let lists: [&dyn Argument; 6] = [&meshlets, &(count as u32), &corners, &narrow, &wide, &counts];
+        self.session.for_each("rasterize_classes", count, &lists)?;
+        for part in ["rasterize", "stroke"] {
+            for (class, lanes, numbers) in [("corners", 1, corners), ("narrow", 8, narrow), ("wide", 32, wide)] {
+                // The host does not know how many there are: blocks go on until the list ends.
+                let blocks = (count * lanes).div_ceil(THREADS as usize).min(MOST_BLOCKS);
+                let rest: [&dyn Argument; 5] = [&numbers, &wide, &counts, &near, &spare];
+                self.session.blocks(&self.geometry, &format!("{part}_{class}"), blocks, &rest)?;
+            }
+        }
+        Ok(())
     }
 
     /// By pixel, for whoever asks the finished frame.

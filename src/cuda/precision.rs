@@ -28,7 +28,8 @@
 //!
 //! A chain of `n + 1` products and sums in f32 errs by `(n + 1) u` of the sum of moduli, fused or not (Higham, Accuracy and
 //! Stability of Numerical Algorithms, section 3.1). A tensor core cuts each product, but for one, off at `2^-24` of the largest
-//! or lower, and each sum at `2^-23`; sm_80 to sm_89 sum tf32 in two parts (kernels/host/mma.cpp): `(n + 5) u`. The products
+//! or lower, and each sum at `2^-23`; sm_80 to sm_89 sum tf32 in two parts (kernels/host/mma.cpp): `(n + 5) u`, however a sparse
+//! product is summed. The products
 //! with low parts are `2^-11` as large, so what their sums lose is below one more u; `+ 1 u` joins the two halves of the sum
 //! over u. `shared` is two roundings of Bernstein values, of u and of v.
 //!
@@ -62,6 +63,8 @@ pub enum Arithmetic {
     F16,
     /// With low parts, as Ootomo and Yokota 2022.
     F16Recovered,
+    /// f16 by products whose left side is half empty: ETER's table 3.
+    F16Sparse,
     Tf32,
     Tf32Recovered,
 }
@@ -90,6 +93,7 @@ impl fmt::Display for Kernel {
             Arithmetic::F32 => "evaluate_f32",
             Arithmetic::F16 => "evaluate_f16",
             Arithmetic::F16Recovered => "evaluate_f16_recovered",
+            Arithmetic::F16Sparse => "evaluate_f16_sparse",
             Arithmetic::Tf32 => "evaluate_tf32",
             Arithmetic::Tf32Recovered => "evaluate_tf32_recovered",
         })
@@ -149,7 +153,8 @@ impl Hull {
 }
 
 impl Arithmetic {
-    pub const ALL: [Self; 5] = [Self::F32, Self::F16, Self::F16Recovered, Self::Tf32, Self::Tf32Recovered];
+    pub const ALL: [Self; 6] =
+        [Self::F32, Self::F16, Self::F16Recovered, Self::F16Sparse, Self::Tf32, Self::Tf32Recovered];
 
     /// The kernel for patches of a degree.
     pub fn kernel(self, degree: [u8; 2]) -> Kernel {
@@ -185,7 +190,7 @@ impl Arithmetic {
         let [m, n] = [m, n].map(i32::from);
         match self {
             Self::F32 => (grown(&[(U, 2)]), grown(&[(U, m + n + 6)])),
-            Self::F16 | Self::Tf32 => (grown(&[(U, 2), (P, 2)]), grown(&[(U, m + n + 16), (P, 2)])),
+            Self::F16 | Self::F16Sparse | Self::Tf32 => (grown(&[(U, 2), (P, 2)]), grown(&[(U, m + n + 16), (P, 2)])),
             Self::F16Recovered | Self::Tf32Recovered => (grown(&[(U, 6)]), grown(&[(U, m + n + 25)])),
         }
     }
@@ -193,7 +198,7 @@ impl Arithmetic {
     /// What f16's subnormal numbers lose, of the largest coordinate.
     fn vanishing(self, [m, n]: [u8; 2]) -> f64 {
         match self.for_degree([m, n]) {
-            Self::F16 | Self::F16Recovered => {
+            Self::F16 | Self::F16Recovered | Self::F16Sparse => {
                 0.5_f64.powi(30) + f64::from(m + n + 2) * 0.5_f64.powi(34) + 0.5_f64.powi(38)
             }
             _ => 0.0,

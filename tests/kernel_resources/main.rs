@@ -66,6 +66,8 @@ fn products_run_on_tensor_cores() {
     for (kernel, instruction, count) in [
         ("evaluate_f16", "HMMA.1688.F32", 6),
         ("evaluate_f16_recovered", "HMMA.1688.F32", 14),
+        ("evaluate_f16_sparse", "HMMA.SP.16816.F32", 6),
+        ("evaluate_normals_f16_sparse", "HMMA.SP.16816.F32", 10),
         ("evaluate_tf32", "HMMA.1688.F32.TF32", 6),
         ("evaluate_tf32_recovered", "HMMA.1688.F32.TF32", 14),
         ("evaluate_normals_f16", "HMMA.1688.F32", 10),

@@ -13,9 +13,14 @@ use std::fs;
 const TABLE: &str = "bench/results/evaluate-precisions.md";
 const F32: &str = "evaluate_f32";
 
-/// Kernels on tensor cores, and m16n8k8 products a meshlet; tests/kernel_resources counts them in the machine code.
-const ARITHMETICS: [(Arithmetic, u32); 4] =
-    [(Arithmetic::F16, 6), (Arithmetic::F16Recovered, 14), (Arithmetic::Tf32, 6), (Arithmetic::Tf32Recovered, 14)];
+/// Kernels on tensor cores, and m16n8k8 products a meshlet (sparse: m16n8k16); tests/kernel_resources counts them in the machine code.
+const ARITHMETICS: [(Arithmetic, u32); 5] = [
+    (Arithmetic::F16, 6),
+    (Arithmetic::F16Recovered, 14),
+    (Arithmetic::F16Sparse, 6),
+    (Arithmetic::Tf32, 6),
+    (Arithmetic::Tf32Recovered, 14),
+];
 const CORES: [TensorCores; 2] = [TensorCores::Sm80, TensorCores::Sm90];
 
 /// Small nets and meshlets of one kind.
@@ -105,7 +110,7 @@ fn table(rows: &str, bounds: &str, normals: &str) -> String {
          emulator, with both models of tensor cores; nothing here was timed. Largest errors over 8 scenes of 6272 vertices: \
          nets of all degrees 1 to 7 in u and v, polynomial and with weights from 0.3 to 3, in perspective and orthographic \
          views, against f64, before snapping; depth relative in perspective. Products: mma.sync m16n8k8 a meshlet (tf32 \
-         ones take twice the time of f16 ones). Registers: on sm_80 / 86 / 89 / 90 / 120.\n\n\
+         ones take twice the time of f16 ones), mma.sp m16n8k16 for f16_sparse. Registers: on sm_80 / 86 / 89 / 90 / 120.\n\n\
          | kernel | products | registers a thread | tensor cores | error / extent | px, 30 px wide | px, 1000 px wide | \
          depth |\n|---|---|---|---|---|---|---|---|\n{rows}\n\
          ## Errors over their a-priori bounds\n\nThe bounds of src/cuda/precision.rs, on 900 nets made to come near them: 1, \

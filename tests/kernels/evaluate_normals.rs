@@ -187,6 +187,9 @@ pub fn rows() -> String {
         assert!(recovered.within(single.times(2.0)), "{name}: {recovered:?}, f32 {single:?}");
         rows += &row(&format!("evaluate_normals_{name}_recovered"), recovered);
     }
+    let sparse = points("evaluate_normals_f16_sparse");
+    assert!(sparse.within(PLAIN), "{sparse:?}");
+    rows += &row("evaluate_normals_f16_sparse", sparse);
     let recovered = frames("evaluate_tangents_f16_recovered");
     assert!(recovered.within(single.times(2.0)), "{recovered:?}, f32 {single:?}");
     rows + &row("evaluate_tangents_f16_recovered", recovered)

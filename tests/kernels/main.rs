@@ -38,6 +38,8 @@ mod products;
 #[cfg(host_kernels)]
 mod sanitizers;
 #[cfg(host_kernels)]
+mod sparse_products;
+#[cfg(host_kernels)]
 mod special_products;
 #[cfg(host_kernels)]
 mod support;

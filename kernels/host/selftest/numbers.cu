@@ -25,6 +25,18 @@ TILE(mma_m16n8k8_f16, 2, 1)
 TILE(mma_m16n8k16_f16, 4, 2)
 TILE(mma_m16n8k8_tf32, 4, 2)
 
+// A sparse product: two registers of A and of B a lane, and its metadata.
+extern "C" __global__ void selftest_mma_sp(Buffer<const uint32_t> a, Buffer<const uint32_t> b, Buffer<const uint32_t> metadata,
+                                           Buffer<float> out) {
+  const uint32_t rows[2] = {a[threadIdx.x * 2], a[threadIdx.x * 2 + 1]};
+  const uint32_t columns[2] = {b[threadIdx.x * 2], b[threadIdx.x * 2 + 1]};
+  const float c[4] = {1, 2, 3, 4};
+  float d[4];
+  mma_sp_m16n8k16_f16(d, rows, columns, c, metadata[threadIdx.x]);
+  for (int k = 0; k < 4; k++) out[threadIdx.x * 4 + k] = d[k];
+}
+KERNEL(selftest_mma_sp)
+
 // 16 words of output for each triple of floats.
 extern "C" __global__ void selftest_numbers(Buffer<const float> in, Buffer<unsigned> out, int n) {
   int i = (int)(blockIdx.x * blockDim.x + threadIdx.x);
