@@ -1,4 +1,5 @@
-// A part of abi.h: a scene as a device has it, from which cull and estimate make a frame's patches.
+// Second page of abi.h, which includes it: the scene in device memory, and what cull, estimate and the list of meshlets make
+// of it.
 #pragma once
 #include <stdint.h>
 
@@ -124,6 +125,8 @@ struct alignas(16) ScenePatch {
     double origin[3];
     double cone_axis[3];
     double cone_cos;
+    /// All of it lies so near to its origin.
+    double radius;
     /// In the plane of its face's trims: u, v.
     double domain[2][2];
     /// S_uu, S_uv, S_vv.
@@ -133,7 +136,7 @@ struct alignas(16) ScenePatch {
     /// Largest gap of the curves along its borders.
     double gap;
     uint32_t rim;
-    uint32_t unused;
+    uint32_t unused[3];
 };
 
 /// An instance: it draws a range of the scene's patches.
@@ -155,4 +158,95 @@ struct SceneInstance {
 struct FaceColor {
     uint32_t face;
     float color[3];
+};
+
+/// One more than the most quads along a side of a leaf: 7 x 7 blocks round 2^12 up.
+static const uint32_t BASIS_SIDES = 4103;
+
+/// What becomes of a patch in an instance: `state` of an item.
+static const uint32_t ITEM_CULLED = 0;
+/// Drawn as a whole.
+static const uint32_t ITEM_WHOLE = 1;
+/// Drawn in parts, if at all.
+static const uint32_t ITEM_SPLIT = 2;
+
+/// A patch that is not culled, and its grid where it is drawn as a whole.
+struct alignas(8) Visible {
+    uint32_t item;
+    uint32_t state;
+    uint16_t quads[2];
+    uint32_t diagonal;
+    float deviation[2];
+};
+
+/// What stops a frame, with the item at which it happens.
+static const uint32_t ERROR_TOO_MANY_LEAVES = 1;
+static const uint32_t ERROR_TOO_CLOSE = 2;
+static const uint32_t ERROR_GRID_TOO_LARGE = 3;
+static const uint32_t ERROR_TOLERANCE = 4;
+static const uint64_t NO_ERROR = 0xffffffffffffffff;
+
+/// What estimate counts.
+struct alignas(8) Counters {
+    /// The least `item << 8 | error`, or NO_ERROR.
+    uint64_t error;
+    /// Control points of parts.
+    uint64_t part_points;
+    /// Patches that are to be split, and how many of them have been taken.
+    uint32_t split;
+    uint32_t taken;
+    /// Leaves that splitting makes; they may be more than there is room for.
+    uint32_t parts;
+    /// Patches of which something is drawn.
+    uint32_t visible;
+    /// A warp's list of halves was too short.
+    uint32_t short_of_halves;
+    uint32_t unused;
+};
+
+/// A part of a patch by the halvings that lead to it, the first one in the lowest bit: which way they cut (0: across u) and
+/// which half they took (0: the lower one); and its grid.
+struct alignas(8) Half {
+    uint64_t axes[2];
+    uint64_t sides[2];
+    uint32_t depth;
+    uint32_t diagonal;
+    uint32_t quads[2];
+    float deviation[2];
+};
+
+/// A leaf whose halves are tried: places in a warp's list of halves.
+struct HalvedLeaf {
+    /// Its halves, and the next one to be looked at.
+    uint32_t first;
+    uint32_t next;
+    uint32_t end;
+    /// More halvings that may pass without a gain.
+    uint32_t tries;
+    /// Quads of its own grid, and of the parts found so far.
+    uint32_t quads;
+    uint32_t part_quads;
+};
+
+/// Where a leaf that splitting made belongs: its visible patch, and its number among the leaves of it.
+struct PartPlace {
+    uint32_t visible;
+    uint32_t number;
+    /// First of its control points in the list of parts.
+    uint32_t net;
+    uint32_t unused;
+};
+
+/// What becomes of a block of a leaf's grid: its leaf has no trims; it is looked at; all of it lies outside the trims.
+static const uint32_t BLOCK_FREE = 0;
+static const uint32_t BLOCK_CUT = 1;
+static const uint32_t BLOCK_OUTSIDE = 2;
+
+/// What the meshlet list counts.
+struct alignas(8) MeshletCounts {
+    uint64_t quads;
+    /// Meshlets of trimmed leaves that no curve crosses.
+    uint32_t inside;
+    /// Those that one may cross.
+    uint32_t boundary;
 };
