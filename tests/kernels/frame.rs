@@ -4,6 +4,18 @@ use halfpixel::emulated::{Device, Schedule};
 use halfpixel::import;
 use halfpixel::scene::{Scene, ViewSpec, prepare};
 use halfpixel::stages::{Bound, Engine, Fill, Frame, FrameShape, Options, Renderer};
+use std::path::{Path, PathBuf};
+
+const REAL: [&str; 8] = [
+    "11752.stp",
+    "777-200LR.stp",
+    "NIST_MBE_PMI_2.stp",
+    "as1-oc-214.stp",
+    "gmsh_submarine.stp",
+    "killeroo.bpt",
+    "so100_Wrist_Roll_08c.step",
+    "ublox_ANN-MB-00_SMA.stp",
+];
 
 fn scene(name: &str) -> Scene {
     prepare(&import::load(name).expect("a model"), &|_, _| {}).expect("a scene")
@@ -74,6 +86,25 @@ fn trimmed_frames_are_those_of_the_cpu() {
                     &format!("{name} {fill:?} {orthographic} {refine} {zoom}"),
                 );
             }
+        }
+    }
+}
+
+/// Real files, where there are any: assemblies, instances, mirrored solids, thousands of faces.
+#[test]
+fn real_models_are_drawn_alike() {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
+    let folder = std::env::var_os("HALFPIXEL_MODELS").map_or(beside, PathBuf::from);
+    for name in REAL {
+        let path = folder.join(name);
+        let Some(file) = path.to_str().filter(|_| path.is_file()) else {
+            eprintln!("skipped: there is no {} (set HALFPIXEL_MODELS)", path.display());
+            continue;
+        };
+        let scene = scene(file);
+        for (orthographic, zoom) in [(false, 1.0), (true, 8.0)] {
+            let view = ViewSpec { size: [160, 120], orthographic, zoom, ..ViewSpec::default() };
+            same(&scene, &view, &Options::default(), Schedule::default(), &format!("{name} {orthographic} {zoom}"));
         }
     }
 }
