@@ -8,6 +8,9 @@
 
 namespace rasterize {
 
+// Blocks that a multiprocessor should hold at least: without it, registers are spilled to hold more.
+constexpr int BLOCKS = 4;
+
 // Meshlets of one class.
 struct List {
     // Their numbers; null: all meshlets.
@@ -104,13 +107,14 @@ static __device__ __forceinline__ void meshlets(const Geometry &in, uint32_t cou
 } // namespace rasterize
 
 // All meshlets but those that trim tests, by warps.
-extern "C" __global__ void __launch_bounds__(THREADS) rasterize_triangles(GEOMETRY, uint32_t count, Buffer<Word> near) {
+extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)
+    rasterize_triangles(GEOMETRY, uint32_t count, Buffer<Word> near) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     rasterize::meshlets<rasterize::TRIANGLES, 32, 64>(in, count, {{}, count}, {}, {}, {near, {}});
 }
 KERNEL(rasterize_triangles)
 
-extern "C" __global__ void __launch_bounds__(THREADS)
+extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)
     rasterize_strokes(GEOMETRY, uint32_t count, Buffer<Word> near, Buffer<Word> spare) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     rasterize::meshlets<rasterize::STROKES, 32, 64>(in, count, {{}, count}, {}, {}, {near, spare});
@@ -144,7 +148,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 KERNEL(rasterize_classes)
 
 #define RASTERIZE(name, PART, LANES, VERTICES, CLASS)                                                                  \
-    extern "C" __global__ void __launch_bounds__(THREADS)                                                              \
+    extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)                                           \
         name(GEOMETRY, uint32_t count, Buffer<const uint32_t> numbers, Buffer<uint32_t> wide, Buffer<uint32_t> counts, \
              Buffer<Word> near, Buffer<Word> spare) {                                                                  \
         const Geometry in = GEOMETRY_ARGUMENTS;                                                                        \

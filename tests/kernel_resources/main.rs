@@ -16,18 +16,24 @@ const TABLE: &str = "bench/results/kernel-resources.md";
 
 /// Kernels that keep something in local memory: Bernstein values of any degree beyond 3, what calls save, and registers
 /// where sub-pixels take 64 bits. And what few patches go through: comparison bounds, halvings, questions to trim trees.
-const MAY_STACK: [&str; 14] = [
+const MAY_STACK: [&str; 20] = [
     "cull_patches",
     "estimate_patches",
+    "fill_list",
     "meshlet_drop",
     "meshlet_region",
     "rasterize_strokes",
     "settle_find",
     "settle_search",
+    "settle_starts",
     "shade_filled",
     "shade_pixels",
     "shade_refuse",
+    "shown_pixels",
     "split_patches",
+    "stroke_corners",
+    "stroke_narrow",
+    "stroke_wide",
     "trim_fragments",
     "trim_meshlets",
     "trim_strokes",
@@ -46,14 +52,14 @@ fn kernels_are_there_for_every_target_and_spill_nothing() {
     let Some(dump) = Dump::new("all") else { return };
     let usages = dump.usages();
     assert!(usages.len() >= 8, "{:?}", usages.keys());
+    let mut spilling = Vec::new();
     for (kernel, by_target) in &usages {
         let targets: Vec<u32> = by_target.keys().copied().collect();
         assert_eq!(targets, cuda::targets(), "{kernel}");
-        for (target, usage) in by_target {
-            let stack = MAY_STACK.contains(&kernel.as_str()) || usage.stack == 0;
-            assert!(stack && usage.local == 0, "{kernel} on sm_{target} spills");
-        }
+        let spills = |u: &Usage| u.local > 0 || u.stack > 0 && !MAY_STACK.contains(&kernel.as_str());
+        spilling.extend(by_target.iter().filter(|(_, usage)| spills(usage)).map(|(target, _)| (kernel, target)));
     }
+    assert!(spilling.is_empty(), "these spill: {spilling:?}");
     let ptx: Vec<String> = usages.keys().cloned().collect();
     assert_eq!(dump.threads().into_keys().collect::<Vec<_>>(), ptx, "PTX has the same kernels, with launch bounds");
 }
