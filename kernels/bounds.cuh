@@ -230,7 +230,7 @@ template <int LANES, class Take>
 static __device__ void eter_within(const Team<LANES> &team, const Subject &s, double epsilon, double drawn_in, Take take) {
     const double stretch = axis_scale(s.map);
     epsilon = epsilon / stretch, drawn_in = drawn_in / stretch;
-    Range x, y, z, w;
+    Extremes x, y, z, w;
     for (int k = team.lane; k < s.net.count(); k += LANES) {
         const Vec3 p = s.net.place(k);
         x.add(p.x), y.add(p.y), z.add(p.z), w.add(s.net.at(k).w);
@@ -266,7 +266,7 @@ template <int LANES> static __device__ void projective(const Team<LANES> &team, 
                     double(float(p.z - place.depth_origin * p.w)), double(float(p.w))};
     };
     const auto denominator = [&](Vec4 p) { return view.perspective ? p.z + place.depth_origin * p.w : p.w; };
-    Range d, w;
+    Extremes d, w;
     const int across = s.net.degree_v + 1;
     for (int k = team.lane; k < s.net.count(); k += LANES) {
         const Vec4 p = point(k / across, k % across);

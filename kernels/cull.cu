@@ -14,13 +14,13 @@ extern "C" __global__ void __launch_bounds__(128)
     const SceneInstance &instance = scene.instances[scene::instance_of(scene, instances, item)];
     const ScenePatch &patch = scene.patches[instance.first_patch + (item - instance.first_item)];
     const lens::PatchMap map = lens::patch_map(view, instance, load_vector(patch.origin));
-    const lens::Net net = scene::net_of(scene, patch);
-    cull::Place place;
-    cull::Verdict verdict = cull::judge(Team<1>::here(), view, net, map, 0, place);
-    if (verdict != cull::CULLED) {
-        const int side = scene::visible_side(rules, patch);
+    cull::Verdict verdict = cull::CULLED;
+    if (!cone::is_outside(view, patch.radius, map)
+        && !cone::is_back_patch(view, patch, scene::visible_side(rules, patch), map)) {
+        cull::Place place;
+        verdict = cull::judge(Team<1>::here(), view, scene::net_of(scene, patch), map, 0, place);
         const double corner[2] = {0.0, 0.0}, extent[2] = {1.0, 1.0};
-        if (cone::is_back_patch(view, patch, side, net, map) || cull::trimmed_away(view, scene, patch, corner, extent)) {
+        if (verdict != cull::CULLED && cull::trimmed_away(view, scene, patch, corner, extent)) {
             verdict = cull::CULLED;
         }
     }

@@ -100,7 +100,7 @@ static __device__ __noinline__ void halve(const Warp &warp, Buffer<ControlPoint>
 
 // Boxes and radii over some nets: a lane's own, and then of all.
 struct Hull {
-    Range x, y, z;
+    Extremes x, y, z;
     double radius = 0.0;
 
     __device__ void add(const Warp &warp, Buffer<const ControlPoint> points, int count) {
@@ -114,7 +114,7 @@ struct Hull {
 
     // Outwards by what rounding may have taken.
     __device__ void into(const Warp &warp, bounds::Enclosure &e, int k) const {
-        const Range all_x = x.of(warp), all_y = y.of(warp), all_z = z.of(warp);
+        const Extremes all_x = x.of(warp), all_y = y.of(warp), all_z = z.of(warp);
         const double most = warp.most(radius);
         if (warp.lane != 0) {
             return;

@@ -14,11 +14,6 @@ namespace evaluate {
 // Columns of the net a warp sums at once: 32 lanes, eight rows.
 constexpr int COLUMNS = 4;
 
-// sum + c * b, rounded twice: contraction is off.
-static __device__ __forceinline__ float4 add_scaled(float4 sum, float4 c, float b) {
-    return make_float4(sum.x + c.x * b, sum.y + c.y * b, sum.z + c.z * b, sum.w + c.w * b);
-}
-
 // The sum over u of one column of the net, at the grid line whose Bernstein values are `basis`.
 template <int DEGREE>
 static __device__ __forceinline__ float4 sum_over_u(Buffer<const float4> column, int stride, Buffer<const float> basis,

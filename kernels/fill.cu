@@ -86,7 +86,7 @@ struct Rule {
 } // namespace fill
 
 // Counts the pixels that the spare buffer takes and, where there is room for them, lists them in any order.
-extern "C" __global__ void __launch_bounds__(THREADS) fill_list(const __grid_constant__ View view, GEOMETRY, Buffer<const Word> near,
+extern "C" __global__ void __launch_bounds__(THREADS) fill_list(GEOMETRY, Buffer<const Word> near,
                                      Buffer<const Word> spare, uint32_t room, Buffer<Filled> filled, Buffer<uint32_t> count) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t pixel = blockIdx.x * blockDim.x + threadIdx.x;

@@ -23,11 +23,11 @@ struct Place {
 
 // The camera depths, and whether the whole hull lies beyond one side of the image.
 template <int LANES>
-static __device__ __forceinline__ Range depths(const Team<LANES> &team, const View &view, const lens::Net &net,
+static __device__ __forceinline__ Extremes depths(const Team<LANES> &team, const View &view, const lens::Net &net,
                                                const lens::PatchMap &map, bool &outside) {
     const double limit_x = lens::half_image(view, 0) + MARGIN, limit_y = lens::half_image(view, 1) + MARGIN;
     bool right = true, left = true, below = true, above = true;
-    Range z;
+    Extremes z;
     const int count = net.count();
     for (int k = team.lane; k < count; k += LANES) {
         const Vec4 p = lens::apply(map, net.at(k));
@@ -46,7 +46,7 @@ static __device__ __forceinline__ Range depths(const Team<LANES> &team, const Vi
 template <int LANES>
 static __device__ bool smaller_than_half_pixel(const Team<LANES> &team, const View &view, const lens::Net &net,
                                                const lens::PatchMap &map) {
-    Range x, y, z;
+    Extremes x, y, z;
     const int count = net.count();
     for (int k = team.lane; k < count; k += LANES) {
         const Vec4 p = lens::apply(map, net.at(k));
@@ -70,7 +70,7 @@ template <int LANES>
 static __device__ Verdict judge(const Team<LANES> &team, const View &view, const lens::Net &net, const lens::PatchMap &map,
                                 uint32_t depth, Place &place) {
     bool outside;
-    const Range z = depths(team, view, net, map, outside);
+    const Extremes z = depths(team, view, net, map, outside);
     if (z.high < view.near || outside) {
         return CULLED;
     }
@@ -81,7 +81,7 @@ static __device__ Verdict judge(const Team<LANES> &team, const View &view, const
     if (view.perspective && z.high > DEPTH_RATIO * z.low) {
         return split;
     }
-    Range x, y, d;
+    Extremes x, y, d;
     const int count = net.count();
     for (int k = team.lane; k < count; k += LANES) {
         const Vec4 p = lens::apply(map, net.at(k));

@@ -111,7 +111,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) settle_ask(const __grid_co
 KERNEL(settle_ask)
 
 // The starts of each pixel's candidates, in the same order whatever order these were found in: four places a candidate.
-extern "C" __global__ void __launch_bounds__(THREADS) settle_starts(const __grid_constant__ View view, GEOMETRY, Buffer<const Filled> pixels,
+extern "C" __global__ void __launch_bounds__(THREADS) settle_starts(GEOMETRY, Buffer<const Filled> pixels,
                                          uint32_t count, Buffer<Word> candidates, Buffer<Start> starts) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t slot = blockIdx.x * blockDim.x + threadIdx.x;
@@ -141,7 +141,7 @@ KERNEL(settle_starts)
 
 // Refines every start; the nearest surface exactly under its pixel's centre wins, among equals the larger word.
 // `reaching`: faces reach over the model's gaps; else only what lies under the centre itself counts.
-extern "C" __global__ void __launch_bounds__(THREADS) settle_search(const __grid_constant__ View view, GEOMETRY, Buffer<Filled> pixels,
+extern "C" __global__ void __launch_bounds__(THREADS) settle_search(GEOMETRY, Buffer<Filled> pixels,
                                          Buffer<Start> starts, uint32_t count, uint32_t reaching,
                                          const __grid_constant__ trims::Trims trims) {
     const Geometry in = GEOMETRY_ARGUMENTS;

@@ -9,7 +9,7 @@
 
 namespace settle_near {
 
-constexpr int WARPS = 4;
+constexpr int WARPS = THREADS / 32;
 constexpr uint32_t NO_SLOT = 0xffffffffu;
 // Pixels along one side of a tile; tiles without a pixel in question are passed over.
 constexpr int TILE_BITS = 3;
@@ -135,7 +135,7 @@ KERNEL(settle_mark)
 
 // One warp a meshlet; a grid of ceil(count / 4) blocks. `candidates` null: only counts.
 extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(settle_near::WARPS * 32)
-    settle_find(const __grid_constant__ View view, GEOMETRY, uint32_t count, Buffer<const uint32_t> slots,
+    settle_find(GEOMETRY, uint32_t count, Buffer<const uint32_t> slots,
                 Buffer<const uint32_t> tiles, Buffer<Filled> pixels, Buffer<Word> candidates, Buffer<uint32_t> cursors) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * settle_near::WARPS + threadIdx.x / 32;
@@ -146,13 +146,17 @@ extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(settle_n
     const Meshlet m = in.meshlets[number];
     const Patch &patch = in.patches[m.patch];
     const Leaf &leaf = in.leaves[m.patch];
-    const outlines::Drawn d = {view, in, m, patch, leaf, number};
+    SHARED(Vertex, staged, [settle_near::WARPS][64]);
+    const Span<Vertex> tile = staged[threadIdx.x / 32];
+    const outlines::Group<32> warp = outlines::Group<32>::here();
+    outlines::load(warp, in, m, tile);
+    const outlines::Drawn d = {view, in, m, patch, leaf, number, tile};
     // Within the model's gap the border stands in for what is missing.
     const double pixels_off = double(leaf.deviation[0]) + leaf.gaps[1] + double(shading::EXACT);
     const i64 reach = i64(ceil(pixels_off * double(SUBPIXELS)));
     const auto corners = [&](int k) { return d.corners(topology::triangle(m, patch.diagonal, k)); };
     outlines::for_all(
-        topology::triangles(m), threadIdx.x % 32,
+        warp, topology::triangles(m),
         [&](int k) {
             const PixelBox box = settle_near::box_of(view, corners(k), reach);
             return box.empty() || !settle_near::any_tile(view, wanted, box) ? 0 : box.pixels();
@@ -162,10 +166,11 @@ extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(settle_n
 KERNEL(settle_find)
 
 // Gives each pixel its part of the list of candidates; `total`: how many there are.
-extern "C" __global__ void __launch_bounds__(THREADS) settle_allocate(Buffer<Filled> pixels, uint32_t count, Buffer<uint32_t> total) {
+extern "C" __global__ void __launch_bounds__(THREADS) settle_allocate(Buffer<Filled> pixels, uint32_t count, Buffer<Word> total) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k < count) {
-        pixels[k].first = atomicAdd(&total[0], pixels[k].candidates);
+        // Of no use where the total does not fit 32 bits; the host looks at that first.
+        pixels[k].first = uint32_t(atomicAdd(&total[0], Word(pixels[k].candidates)));
     }
 }
 KERNEL(settle_allocate)

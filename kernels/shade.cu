@@ -54,7 +54,7 @@ struct Image {
 
 // Every drawn pixel but those that fill took (`taken`: by pixel their number in its list). Pixels in doubt are listed as far
 // as there is room, and counted; room 0: none is in doubt.
-extern "C" __global__ void __launch_bounds__(THREADS) shade_pixels(const __grid_constant__ View view, GEOMETRY, Buffer<const Word> near,
+extern "C" __global__ void __launch_bounds__(THREADS) shade_pixels(GEOMETRY, Buffer<const Word> near,
                                         Buffer<const uint32_t> taken, Buffer<float2> parameters, Buffer<float> colors,
                                         uint32_t room, Buffer<Filled> doubts, Buffer<uint32_t> count) {
     const Geometry in = GEOMETRY_ARGUMENTS;
@@ -89,7 +89,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) shade_pixels(const __grid_
 KERNEL(shade_pixels)
 
 // Filled pixels. Where their parameters are known, they stand: their triangles would lead astray near a silhouette.
-extern "C" __global__ void __launch_bounds__(THREADS) shade_filled(const __grid_constant__ View view, GEOMETRY, Buffer<const Word> near,
+extern "C" __global__ void __launch_bounds__(THREADS) shade_filled(GEOMETRY, Buffer<const Word> near,
                                         Buffer<const Filled> filled, uint32_t count, uint32_t only_known,
                                         Buffer<float2> parameters, Buffer<float> colors) {
     const Geometry in = GEOMETRY_ARGUMENTS;
@@ -107,7 +107,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) shade_filled(const __grid_
 KERNEL(shade_filled)
 
 // Other ways to fill: what refinement leaves beyond half a pixel goes back to N. `best` is 1 for pixels that stay.
-extern "C" __global__ void __launch_bounds__(THREADS) shade_refuse(const __grid_constant__ View view, GEOMETRY, Buffer<Word> near,
+extern "C" __global__ void __launch_bounds__(THREADS) shade_refuse(GEOMETRY, Buffer<Word> near,
                                         Buffer<Filled> filled, uint32_t count) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;

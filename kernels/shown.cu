@@ -2,7 +2,7 @@
 #include "interpolate.cuh"
 
 extern "C" __global__ void __launch_bounds__(THREADS)
-    shown_pixels(const __grid_constant__ View view, GEOMETRY, Buffer<const Word> near, Buffer<const float2> parameters,
+    shown_pixels(GEOMETRY, Buffer<const Word> near, Buffer<const float2> parameters,
                  Buffer<Shown> out) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t pixel = blockIdx.x * THREADS + threadIdx.x;

@@ -38,7 +38,7 @@ template <int LANES> struct Team {
 };
 
 // The least and the largest of some numbers.
-struct Range {
+struct Extremes {
     double low = INFINITY, high = -INFINITY;
 
     __device__ __forceinline__ void add(double value) {
@@ -46,8 +46,8 @@ struct Range {
         high = max(high, value);
     }
 
-    template <int LANES> __device__ __forceinline__ Range of(const Team<LANES> &team) const {
-        Range all;
+    template <int LANES> __device__ __forceinline__ Extremes of(const Team<LANES> &team) const {
+        Extremes all;
         all.low = team.least(low);
         all.high = team.most(high);
         return all;

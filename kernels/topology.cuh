@@ -1,27 +1,29 @@
 // The numbering inside a meshlet: its triangles and outer edges, in the low 7 bits of a visibility word. Twin of
 // src/stages/topology.rs.
 #pragma once
-#include "abi.h"
-#include "compat.cuh"
+#include "evaluate.cuh"
 
 using Word = unsigned long long;
 
 // A block of kernels that give a thread to each pixel, or to each entry of a list: `THREADS` of src/cuda/session.rs.
 constexpr int THREADS = 128;
 
-// What the stages that draw read: the frame's patches with their grids, and the vertices that evaluate made of them.
+// What the stages that draw read: the frame's patches with their grids, and the vertices that evaluate made of them; null in
+// the fused frame, where they are evaluated again where they are wanted.
 struct Geometry {
+    const View &view;
     Buffer<const Patch> patches;
     Buffer<const Leaf> leaves;
     Buffer<const Point> nets;
+    Buffer<const float> basis;
     Buffer<const Meshlet> meshlets;
     Buffer<const Vertex> vertices;
 };
-// The same as parameters of a kernel: cuda::Staged passes them in this order.
+// The same as parameters of a kernel: `Geometry` of src/cuda/session.rs passes them in this order.
 #define GEOMETRY                                                                                                       \
-    Buffer<const Patch> patches, Buffer<const Leaf> leaves, Buffer<const Point> nets, Buffer<const Meshlet> meshlets,   \
-        Buffer<const Vertex> vertices
-#define GEOMETRY_ARGUMENTS {patches, leaves, nets, meshlets, vertices}
+    const __grid_constant__ View view, Buffer<const Patch> patches, Buffer<const Leaf> leaves, Buffer<const Point> nets, \
+        Buffer<const float> basis, Buffer<const Meshlet> meshlets, Buffer<const Vertex> vertices
+#define GEOMETRY_ARGUMENTS {view, patches, leaves, nets, basis, meshlets, vertices}
 
 // Three vertices, in their primitive's order.
 struct Corners {
@@ -100,9 +102,15 @@ static __device__ __forceinline__ Primitive primitive(const Meshlet &m, int diag
     return edge(m, diagonal, int(k / EDGES_A_SIDE), int(k % EDGES_A_SIDE));
 }
 
-static __device__ __forceinline__ Vertex vertex(const Geometry &in, const Meshlet &m, Corner c) {
-    return in.vertices[m.vertices + c.i * (m.quads[1] + 1) + c.j];
+static __device__ __forceinline__ Vertex load(const Geometry &in, const Meshlet &m, Corner c) {
+    if (in.vertices) {
+        return in.vertices[m.vertices + c.i * (m.quads[1] + 1) + c.j];
+    }
+    return evaluate::vertex(in.view, in.patches[m.patch], in.nets, in.basis, m.first[0] + c.i, m.first[1] + c.j);
 }
+
+// The same where it is wanted in many places.
+inline __device__ __noinline__ Vertex vertex(const Geometry &in, const Meshlet &m, Corner c) { return load(in, m, c); }
 
 static __device__ __forceinline__ Corners corners(const Geometry &in, const Meshlet &m, const Primitive &p) {
     return {{vertex(in, m, p.corner[0]), vertex(in, m, p.corner[1]), vertex(in, m, p.corner[2])}};

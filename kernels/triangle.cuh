@@ -9,14 +9,14 @@ constexpr int SUBPIXEL_BITS = 8;
 static_assert(1 << SUBPIXEL_BITS == SUBPIXELS);
 
 // First and last.
-struct Range {
+struct PixelRange {
     i64 low, high;
 
     __device__ bool empty() const { return low > high; }
 };
 
 struct PixelBox {
-    Range x, y;
+    PixelRange x, y;
 
     __device__ bool empty() const { return x.empty() || y.empty(); }
     __device__ i64 pixels() const { return (x.high - x.low + 1) * (y.high - y.low + 1); }
@@ -26,7 +26,7 @@ struct PixelBox {
 static __device__ __forceinline__ i64 center_of(i64 pixel) { return pixel * SUBPIXELS + HALF_SUBPIXELS; }
 
 // Pixels whose centres lie within [low, high] sub-pixels.
-static __device__ __forceinline__ Range pixel_range(i64 low, i64 high) {
+static __device__ __forceinline__ PixelRange pixel_range(i64 low, i64 high) {
     return {(low - HALF_SUBPIXELS + SUBPIXELS - 1) >> SUBPIXEL_BITS, (high - HALF_SUBPIXELS) >> SUBPIXEL_BITS};
 }
 
@@ -36,8 +36,8 @@ static __device__ __forceinline__ i64 magnitude(i64 a) { return a < 0 ? -a : a; 
 static __device__ __forceinline__ int sign(i64 a) { return (a > 0) - (a < 0); }
 
 // Pixels of the image with centres in a box of sub-pixels.
-static __device__ __forceinline__ PixelBox pixels_in(const View &view, Range x, Range y) {
-    const Range px = pixel_range(x.low, x.high), py = pixel_range(y.low, y.high);
+static __device__ __forceinline__ PixelBox pixels_in(const View &view, PixelRange x, PixelRange y) {
+    const PixelRange px = pixel_range(x.low, x.high), py = pixel_range(y.low, y.high);
     return {{max(px.low, 0ll), min(px.high, i64(view.size[0]) - 1)}, {max(py.low, 0ll), min(py.high, i64(view.size[1]) - 1)}};
 }
 
@@ -53,98 +53,119 @@ static __device__ __forceinline__ bool faces_away(const Corners &c, int hidden) 
     return hidden != 0 && sign(area_of(c)) == hidden;
 }
 
-// Three corners turned so that the area is positive.
-struct Triangle {
-    i64 x[3], y[3];
+// Three corners turned so that the area is positive, about an origin. Int is what their products fit.
+template <class Int> struct TriangleOf {
+    Int x[3], y[3];
     // At the corners: stored depth, or whatever else is interpolated.
     float depth[3];
-    i64 area;
+    Int area;
     bool turned;
 
-    static __device__ __forceinline__ Triangle of(const Corners &c) {
-        Triangle t;
+    static __device__ __forceinline__ TriangleOf of(const Corners &c, int origin_x = 0, int origin_y = 0) {
+        TriangleOf t;
         const i64 area = area_of(c);
         t.turned = area < 0;
-        t.area = magnitude(area);
+        t.area = Int(magnitude(area));
         const Vertex v[3] = {c.v[0], t.turned ? c.v[2] : c.v[1], t.turned ? c.v[1] : c.v[2]};
 #pragma unroll
         for (int k = 0; k < 3; k++) {
-            t.x[k] = v[k].x;
-            t.y[k] = v[k].y;
+            t.x[k] = Int(v[k].x) - origin_x;
+            t.y[k] = Int(v[k].y) - origin_y;
             t.depth[k] = v[k].depth;
         }
         return t;
     }
 
+    static __device__ __forceinline__ int next(int k) { return k == 2 ? 0 : k + 1; }
+
     // Edge function of corner k to the next at a point: positive inside.
-    __device__ __forceinline__ i64 edge(int k, i64 px, i64 py) const {
-        const int n = k == 2 ? 0 : k + 1;
-        return (x[n] - x[k]) * (py - y[k]) - (y[n] - y[k]) * (px - x[k]);
+    __device__ __forceinline__ Int edge(int k, Int px, Int py) const {
+        return (x[next(k)] - x[k]) * (py - y[k]) - (y[next(k)] - y[k]) * (px - x[k]);
     }
 
     // Points on edge k belong to this triangle: the top-left rule, y down.
     __device__ __forceinline__ bool owns(int k) const {
-        const int n = k == 2 ? 0 : k + 1;
-        const i64 dx = x[n] - x[k], dy = y[n] - y[k];
+        const Int dx = x[next(k)] - x[k], dy = y[next(k)] - y[k];
         return dy < 0 || (dy == 0 && dx > 0);
     }
 
     // |dx| + |dy| of edge k.
-    __device__ __forceinline__ i64 span(int k) const {
-        const int n = k == 2 ? 0 : k + 1;
-        return magnitude(x[n] - x[k]) + magnitude(y[n] - y[k]);
+    __device__ __forceinline__ Int span(int k) const {
+        return Int(magnitude(x[next(k)] - x[k]) + magnitude(y[next(k)] - y[k]));
     }
 };
 
-// The pixel centres that a triangle covers.
-struct Coverage {
-    PixelBox box;
-    Triangle triangle;
-    // 1 for edges whose points the top-left rule gives away.
-    i64 bias[3];
-    // Stored depth of the corner opposite to each edge, over the area.
+using Triangle = TriangleOf<i64>;
+
+namespace coverage {
+
+// Sub-pixels along both axes up to which edge functions about the first corner fit 32 bits: 64 pixels.
+constexpr i64 SMALL = 64 * SUBPIXELS;
+
+static __device__ __forceinline__ PixelRange extent(int a, int b, int c) { return {min3(a, b, c), max3(a, b, c)}; }
+static __device__ __forceinline__ PixelRange extent_x(const Corners &c) { return extent(c.v[0].x, c.v[1].x, c.v[2].x); }
+static __device__ __forceinline__ PixelRange extent_y(const Corners &c) { return extent(c.v[0].y, c.v[1].y, c.v[2].y); }
+
+// Where a triangle may cover pixel centres; most small ones hold none.
+static __device__ __forceinline__ PixelBox box_of(const View &view, const Corners &c) {
+    return pixels_in(view, extent_x(c), extent_y(c));
+}
+
+// Calls found(x, y, word) for the pixels whose centres the triangle covers, in each `step`th column of its box from the
+// `first` on.
+template <class Int, class Found>
+static __device__ __forceinline__ void each_as(const Corners &c, const PixelBox &box, int origin_x, int origin_y, Word id,
+                                               int first, int step, Found found) {
+    const TriangleOf<Int> t = TriangleOf<Int>::of(c, origin_x, origin_y);
+    if (t.area == 0) {
+        return;
+    }
+    const float inverse = 1.0f / float(t.area);
+    const Int px = Int(center_of(box.x.low + first) - origin_x), py = Int(center_of(box.y.low) - origin_y);
+    // Points on an edge that the top-left rule gives away are outside by one.
+    Int row[3], bias[3], along[3], down[3];
     float depth[3];
-
-    // Where it may cover centres; most small triangles hold none.
-    static __device__ __forceinline__ PixelBox box_of(const View &view, const Corners &c) {
-        return pixels_in(view, {min3(c.v[0].x, c.v[1].x, c.v[2].x), max3(c.v[0].x, c.v[1].x, c.v[2].x)},
-                         {min3(c.v[0].y, c.v[1].y, c.v[2].y), max3(c.v[0].y, c.v[1].y, c.v[2].y)});
-    }
-
-    static __device__ __forceinline__ Coverage of(const Corners &c, const PixelBox &box) {
-        Coverage coverage;
-        coverage.box = box;
-        coverage.triangle = Triangle::of(c);
-        const Triangle &t = coverage.triangle;
-        const float inverse = 1.0f / float(t.area);
 #pragma unroll
-        for (int k = 0; k < 3; k++) {
-            coverage.depth[k] = t.depth[k == 0 ? 2 : k - 1] * inverse;
-            coverage.bias[k] = t.owns(k) ? 0 : 1;
-        }
-        return coverage;
+    for (int k = 0; k < 3; k++) {
+        const int n = TriangleOf<Int>::next(k);
+        row[k] = t.edge(k, px, py);
+        bias[k] = t.owns(k) ? 0 : 1;
+        along[k] = -(t.y[n] - t.y[k]) * SUBPIXELS * step;
+        down[k] = (t.x[n] - t.x[k]) * SUBPIXELS;
+        // Of the corner opposite to the edge, over the area.
+        depth[k] = t.depth[k == 0 ? 2 : k - 1] * inverse;
     }
-
-    // Calls found(x, y, word) for each `step`th of its pixels from the `first` on, row by row.
-    template <class Found> __device__ __forceinline__ void each(Word id, int first, int step, Found found) const {
-        if (triangle.area == 0) {
-            return;
-        }
-        for (i64 py = box.y.low; py <= box.y.high; py++) {
-            for (i64 px = box.x.low + first; px <= box.x.high; px += step) {
-                i64 e[3];
+    for (int y = int(box.y.low); y <= int(box.y.high); y++) {
+        Int e[3] = {row[0], row[1], row[2]};
+        for (int x = int(box.x.low) + first; x <= int(box.x.high); x += step) {
+            if (((e[0] - bias[0]) | (e[1] - bias[1]) | (e[2] - bias[2])) >= 0) {
+                const float d = float(e[0]) * depth[0] + float(e[1]) * depth[1] + float(e[2]) * depth[2];
+                found(x, y, id | Word(__float_as_uint(d)) << 32);
+            }
 #pragma unroll
-                for (int k = 0; k < 3; k++) {
-                    e[k] = triangle.edge(k, center_of(px), center_of(py));
-                }
-                if (((e[0] - bias[0]) | (e[1] - bias[1]) | (e[2] - bias[2])) >= 0) {
-                    const float d = float(e[0]) * depth[0] + float(e[1]) * depth[1] + float(e[2]) * depth[2];
-                    found(int(px), int(py), id | Word(__float_as_uint(d)) << 32);
-                }
+            for (int k = 0; k < 3; k++) {
+                e[k] += along[k];
             }
         }
+#pragma unroll
+        for (int k = 0; k < 3; k++) {
+            row[k] += down[k];
+        }
     }
-};
+}
+
+template <class Found>
+static __device__ __forceinline__ void each(const View &view, const Corners &c, Word id, int first, int step, Found found) {
+    const PixelBox box = box_of(view, c);
+    const PixelRange x = extent_x(c), y = extent_y(c);
+    if (step == 1 && x.high - x.low < SMALL && y.high - y.low < SMALL) {
+        each_as<int>(c, box, c.v[0].x, c.v[0].y, id, 0, 1, found);
+    } else {
+        each_as<i64>(c, box, 0, 0, id, first, step, found);
+    }
+}
+
+} // namespace coverage
 
 // The larger word stays. Most fragments lose: a plain look is cheaper than the atomic.
 static __device__ __forceinline__ void keep_larger(Buffer<Word> words, uint32_t pixel, Word word) {

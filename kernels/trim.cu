@@ -12,7 +12,8 @@
 
 namespace trim {
 
-constexpr int WARPS = 4;
+constexpr int WARPS = THREADS / 32;
+using Warp = outlines::Group<32>;
 
 // What trimming did: places in the list of counts.
 constexpr int LISTED = 0, REJECTED = 1, PROPOSED = 2, COUNTS = 3;
@@ -77,7 +78,7 @@ static __device__ __forceinline__ void triangle(const outlines::Drawn &d, const 
             queue.push(pixel, word);
         }
     };
-    Coverage::of(corners, Coverage::box_of(d.view, corners)).each(d.id(index), first, step, found);
+    coverage::each(d.view, corners, d.id(index), first, step, found);
 }
 
 // A fragment for the spare buffer. One that stays as it is shows its own parameters, so that these are tested; one that only
@@ -106,7 +107,7 @@ static __device__ __forceinline__ bool keeps_stroke(const outlines::Drawn &d, co
 
 // The tested meshlets; a grid of ceil(count / 4) blocks. `counts`: trim::COUNTS of them.
 extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(trim::WARPS * 32)
-    trim_meshlets(const __grid_constant__ View view, GEOMETRY, uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
+    trim_meshlets(GEOMETRY, uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
                   uint32_t room, Buffer<Fragment> queue, Buffer<uint32_t> counts) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * trim::WARPS + threadIdx.x / 32;
@@ -115,20 +116,23 @@ extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(trim::WA
     }
     const Meshlet m = in.meshlets[number];
     const Patch &patch = in.patches[m.patch];
-    const Leaf &leaf = in.leaves[m.patch];
-    const outlines::Drawn d = {view, in, m, patch, leaf, number};
+    SHARED(Vertex, tiles, [trim::WARPS][64]);
+    const Span<Vertex> tile = tiles[threadIdx.x / 32];
+    const trim::Warp warp = trim::Warp::here();
+    outlines::load(warp, in, m, tile);
+    const outlines::Drawn d = {view, in, m, patch, in.leaves[m.patch], number, tile};
     outlines::for_all(
-        topology::triangles(m), threadIdx.x % 32,
+        warp, topology::triangles(m),
         [&](int k) {
             const Corners c = d.corners(topology::triangle(m, patch.diagonal, k));
-            return faces_away(c, patch.hidden) ? 0 : outlines::pixels_of(Coverage::box_of(view, c));
+            return faces_away(c, patch.hidden) ? 0 : outlines::pixels_of(coverage::box_of(view, c));
         },
         [&](int k, int first, int step) { trim::triangle(d, trims, k, first, step, near, {queue, counts, room}); });
 }
 KERNEL(trim_meshlets)
 
 // The listed fragments, on the exact surface.
-extern "C" __global__ void __launch_bounds__(THREADS) trim_fragments(const __grid_constant__ View view, GEOMETRY, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
+extern "C" __global__ void __launch_bounds__(THREADS) trim_fragments(GEOMETRY, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
                                           Buffer<Word> spare, Buffer<const Fragment> queue, uint32_t count,
                                           Buffer<uint32_t> counts) {
     const Geometry in = GEOMETRY_ARGUMENTS;
@@ -160,7 +164,7 @@ KERNEL(trim_fragments)
 
 // Strokes of the tested meshlets, once the near buffer is done.
 extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(trim::WARPS * 32)
-    trim_strokes(const __grid_constant__ View view, GEOMETRY, uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<const Word> near,
+    trim_strokes(GEOMETRY, uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<const Word> near,
                  Buffer<Word> spare) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * trim::WARPS + threadIdx.x / 32;
@@ -168,10 +172,12 @@ extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(trim::WA
         return;
     }
     const Meshlet m = in.meshlets[number];
-    const Patch &patch = in.patches[m.patch];
-    const Leaf &leaf = in.leaves[m.patch];
-    const outlines::Drawn d = {view, in, m, patch, leaf, number};
-    outlines::draw(d, count, threadIdx.x % 32, [&](int x, int y, Word word) {
+    SHARED(Vertex, tiles, [trim::WARPS][64]);
+    const Span<Vertex> tile = tiles[threadIdx.x / 32];
+    const trim::Warp warp = trim::Warp::here();
+    outlines::load(warp, in, m, tile);
+    const outlines::Drawn d = {view, in, m, in.patches[m.patch], in.leaves[m.patch], number, tile};
+    outlines::draw(warp, d, count, [&](int x, int y, Word word) {
         const uint32_t pixel = uint32_t(y) * view.size[0] + x;
         // Fill wants nothing that N hides.
         const bool nearer = topology::depth_of(word) > topology::depth_of(near[pixel]);

@@ -4,7 +4,7 @@ use super::UsageError;
 use super::backend::Backend;
 use super::source::ModelArgs;
 use crate::scene::{Camera, MAX_SIDE, Scene, View, ViewSpec};
-use crate::stages::{Bound, Cull, Fill, Grid, Options, Show, Trim};
+use crate::stages::{Bound, Cull, Fill, FrameShape, Grid, Options, Show, Trim};
 use anyhow::Result;
 use clap::ValueEnum;
 use glam::DVec3;
@@ -71,6 +71,9 @@ pub struct FrameArgs {
     /// What draws the frame
     #[arg(long, value_enum, default_value_t)]
     pub backend: Backend,
+    /// How a GPU's frame is made [default: fused]
+    #[arg(long, value_enum)]
+    pub frame: Option<FrameShape>,
     /// What the picture shows
     #[arg(long, value_enum, default_value_t)]
     pub show: Show,
@@ -93,10 +96,20 @@ impl FrameArgs {
             cull: self.cull,
             trim: self.trim,
             show: self.show,
+            frame: self.frame.unwrap_or_default(),
             refine: self.refine,
             tolerance: self.tolerance,
             depth_tolerance: self.depth_tolerance,
         }
+    }
+
+    /// Refuses `--frame` where nothing has such shapes.
+    pub fn check_shape(&self) -> Result<()> {
+        if self.frame.is_some() && matches!(self.backend, Backend::Cpu | Backend::Auto) {
+            let what = "--frame is for the kernels of a GPU: add --backend cuda or --backend emulated";
+            return Err(UsageError(what.into()).into());
+        }
+        Ok(())
     }
 
     /// The camera that was asked for, before it knows the model.

@@ -22,20 +22,6 @@ pub mod FillRule {
     pub const FILL_CONSERVATIVE: Type = 2;
     pub const FILL_OFF: Type = 3;
 }
-pub mod GridClass {
-    #[allow(unused_imports)]
-    use super::*;
-    /// How a grid is drawn by the fused frame: what one lane is given (research "kernel-study", question 3).
-    pub type Type = u32;
-    /// 1 x 1 quad: a thread a patch, from the four corners alone.
-    pub const GRID_CORNERS: Type = 0;
-    /// 1 x k quads: a thread a patch.
-    pub const GRID_ROW: Type = 1;
-    /// Up to 3 quads across: 4 lanes a patch.
-    pub const GRID_NARROW: Type = 2;
-    /// Up to 7 quads across: 8 lanes a patch. Larger grids are cut into meshlets of this class.
-    pub const GRID_WIDE: Type = 3;
-}
 /// A homogeneous point; loaded and stored 16 bytes at a time.
 #[repr(C)]
 #[repr(align(16))]
@@ -420,6 +406,77 @@ pub const DOUBT_DEEP: u32 = 1;
 pub const DOUBT_BESIDE: u32 = 2;
 /// Not under the centre, since the patch ends before.
 pub const DOUBT_ENDED: u32 = 3;
+/// A point of a surface and its unit normal: what ETER's table 1 counts.
+#[repr(C)]
+#[repr(align(8))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct SurfacePoint {
+    pub position: [f32; 3usize],
+    /// Along S_u x S_v; 0 where these are parallel.
+    pub normal: [f32; 3usize],
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of SurfacePoint"][::core::mem::size_of::<SurfacePoint>() - 24usize];
+    ["Alignment of SurfacePoint"][::core::mem::align_of::<SurfacePoint>() - 8usize];
+    [
+        "Offset of field: SurfacePoint::position",
+    ][::core::mem::offset_of!(SurfacePoint, position) - 0usize];
+    [
+        "Offset of field: SurfacePoint::normal",
+    ][::core::mem::offset_of!(SurfacePoint, normal) - 12usize];
+};
+/// A point of a surface with its tangents.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct SurfaceFrame {
+    pub position: [f32; 3usize],
+    /// S_u and S_v of the patch's unit square.
+    pub along_u: [f32; 3usize],
+    pub along_v: [f32; 3usize],
+    /// As in `SurfacePoint`.
+    pub normal: [f32; 3usize],
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of SurfaceFrame"][::core::mem::size_of::<SurfaceFrame>() - 48usize];
+    ["Alignment of SurfaceFrame"][::core::mem::align_of::<SurfaceFrame>() - 16usize];
+    [
+        "Offset of field: SurfaceFrame::position",
+    ][::core::mem::offset_of!(SurfaceFrame, position) - 0usize];
+    [
+        "Offset of field: SurfaceFrame::along_u",
+    ][::core::mem::offset_of!(SurfaceFrame, along_u) - 12usize];
+    [
+        "Offset of field: SurfaceFrame::along_v",
+    ][::core::mem::offset_of!(SurfaceFrame, along_v) - 24usize];
+    [
+        "Offset of field: SurfaceFrame::normal",
+    ][::core::mem::offset_of!(SurfaceFrame, normal) - 36usize];
+};
+/// What a pixel shows: `Pixel` in src/stages/frame.rs. (u, v) are in the source patch's unit square.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Shown {
+    pub interpolated: [f64; 2usize],
+    pub stored: [f64; 2usize],
+    pub instance: u32,
+    pub patch: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Shown"][::core::mem::size_of::<Shown>() - 40usize];
+    ["Alignment of Shown"][::core::mem::align_of::<Shown>() - 8usize];
+    [
+        "Offset of field: Shown::interpolated",
+    ][::core::mem::offset_of!(Shown, interpolated) - 0usize];
+    ["Offset of field: Shown::stored"][::core::mem::offset_of!(Shown, stored) - 16usize];
+    [
+        "Offset of field: Shown::instance",
+    ][::core::mem::offset_of!(Shown, instance) - 32usize];
+    ["Offset of field: Shown::patch"][::core::mem::offset_of!(Shown, patch) - 36usize];
+};
 pub mod Region {
     #[allow(unused_imports)]
     use super::*;
@@ -651,6 +708,8 @@ pub struct ScenePatch {
     pub origin: [f64; 3usize],
     pub cone_axis: [f64; 3usize],
     pub cone_cos: f64,
+    /// All of it lies so near to its origin.
+    pub radius: f64,
     /// In the plane of its face's trims: u, v.
     pub domain: [[f64; 2usize]; 2usize],
     /// S_uu, S_uv, S_vv.
@@ -660,11 +719,11 @@ pub struct ScenePatch {
     /// Largest gap of the curves along its borders.
     pub gap: f64,
     pub rim: u32,
-    pub unused: u32,
+    pub unused: [u32; 3usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of ScenePatch"][::core::mem::size_of::<ScenePatch>() - 288usize];
+    ["Size of ScenePatch"][::core::mem::size_of::<ScenePatch>() - 304usize];
     ["Alignment of ScenePatch"][::core::mem::align_of::<ScenePatch>() - 16usize];
     [
         "Offset of field: ScenePatch::points",
@@ -694,26 +753,29 @@ const _: () = {
         "Offset of field: ScenePatch::cone_cos",
     ][::core::mem::offset_of!(ScenePatch, cone_cos) - 64usize];
     [
+        "Offset of field: ScenePatch::radius",
+    ][::core::mem::offset_of!(ScenePatch, radius) - 72usize];
+    [
         "Offset of field: ScenePatch::domain",
-    ][::core::mem::offset_of!(ScenePatch, domain) - 72usize];
+    ][::core::mem::offset_of!(ScenePatch, domain) - 80usize];
     [
         "Offset of field: ScenePatch::enclosure_low",
-    ][::core::mem::offset_of!(ScenePatch, enclosure_low) - 104usize];
+    ][::core::mem::offset_of!(ScenePatch, enclosure_low) - 112usize];
     [
         "Offset of field: ScenePatch::enclosure_high",
-    ][::core::mem::offset_of!(ScenePatch, enclosure_high) - 176usize];
+    ][::core::mem::offset_of!(ScenePatch, enclosure_high) - 184usize];
     [
         "Offset of field: ScenePatch::enclosure_radius",
-    ][::core::mem::offset_of!(ScenePatch, enclosure_radius) - 248usize];
+    ][::core::mem::offset_of!(ScenePatch, enclosure_radius) - 256usize];
     [
         "Offset of field: ScenePatch::gap",
-    ][::core::mem::offset_of!(ScenePatch, gap) - 272usize];
+    ][::core::mem::offset_of!(ScenePatch, gap) - 280usize];
     [
         "Offset of field: ScenePatch::rim",
-    ][::core::mem::offset_of!(ScenePatch, rim) - 280usize];
+    ][::core::mem::offset_of!(ScenePatch, rim) - 288usize];
     [
         "Offset of field: ScenePatch::unused",
-    ][::core::mem::offset_of!(ScenePatch, unused) - 284usize];
+    ][::core::mem::offset_of!(ScenePatch, unused) - 292usize];
 };
 /// An instance: it draws a range of the scene's patches.
 #[repr(C)]
@@ -987,75 +1049,4 @@ const _: () = {
     [
         "Offset of field: MeshletCounts::boundary",
     ][::core::mem::offset_of!(MeshletCounts, boundary) - 12usize];
-};
-/// A point of a surface and its unit normal: what ETER's table 1 counts.
-#[repr(C)]
-#[repr(align(8))]
-#[derive(Debug, Default, Copy, Clone, PartialEq)]
-pub struct SurfacePoint {
-    pub position: [f32; 3usize],
-    /// Along S_u x S_v; 0 where these are parallel.
-    pub normal: [f32; 3usize],
-}
-#[allow(clippy::unnecessary_operation, clippy::identity_op)]
-const _: () = {
-    ["Size of SurfacePoint"][::core::mem::size_of::<SurfacePoint>() - 24usize];
-    ["Alignment of SurfacePoint"][::core::mem::align_of::<SurfacePoint>() - 8usize];
-    [
-        "Offset of field: SurfacePoint::position",
-    ][::core::mem::offset_of!(SurfacePoint, position) - 0usize];
-    [
-        "Offset of field: SurfacePoint::normal",
-    ][::core::mem::offset_of!(SurfacePoint, normal) - 12usize];
-};
-/// A point of a surface with its tangents.
-#[repr(C)]
-#[repr(align(16))]
-#[derive(Debug, Default, Copy, Clone, PartialEq)]
-pub struct SurfaceFrame {
-    pub position: [f32; 3usize],
-    /// S_u and S_v of the patch's unit square.
-    pub along_u: [f32; 3usize],
-    pub along_v: [f32; 3usize],
-    /// As in `SurfacePoint`.
-    pub normal: [f32; 3usize],
-}
-#[allow(clippy::unnecessary_operation, clippy::identity_op)]
-const _: () = {
-    ["Size of SurfaceFrame"][::core::mem::size_of::<SurfaceFrame>() - 48usize];
-    ["Alignment of SurfaceFrame"][::core::mem::align_of::<SurfaceFrame>() - 16usize];
-    [
-        "Offset of field: SurfaceFrame::position",
-    ][::core::mem::offset_of!(SurfaceFrame, position) - 0usize];
-    [
-        "Offset of field: SurfaceFrame::along_u",
-    ][::core::mem::offset_of!(SurfaceFrame, along_u) - 12usize];
-    [
-        "Offset of field: SurfaceFrame::along_v",
-    ][::core::mem::offset_of!(SurfaceFrame, along_v) - 24usize];
-    [
-        "Offset of field: SurfaceFrame::normal",
-    ][::core::mem::offset_of!(SurfaceFrame, normal) - 36usize];
-};
-/// What a pixel shows: `Pixel` in src/stages/frame.rs. (u, v) are in the source patch's unit square.
-#[repr(C)]
-#[derive(Debug, Default, Copy, Clone, PartialEq)]
-pub struct Shown {
-    pub interpolated: [f64; 2usize],
-    pub stored: [f64; 2usize],
-    pub instance: u32,
-    pub patch: u32,
-}
-#[allow(clippy::unnecessary_operation, clippy::identity_op)]
-const _: () = {
-    ["Size of Shown"][::core::mem::size_of::<Shown>() - 40usize];
-    ["Alignment of Shown"][::core::mem::align_of::<Shown>() - 8usize];
-    [
-        "Offset of field: Shown::interpolated",
-    ][::core::mem::offset_of!(Shown, interpolated) - 0usize];
-    ["Offset of field: Shown::stored"][::core::mem::offset_of!(Shown, stored) - 16usize];
-    [
-        "Offset of field: Shown::instance",
-    ][::core::mem::offset_of!(Shown, instance) - 32usize];
-    ["Offset of field: Shown::patch"][::core::mem::offset_of!(Shown, patch) - 36usize];
 };

@@ -94,10 +94,18 @@ struct Estimated {
     split: u32,
 }
 
+/// Leaves with their nets, and where they belong.
+struct PartLists {
+    places: Buffer<abi::PartPlace>,
+    patches: Buffer<abi::Patch>,
+    leaves: Buffer<abi::Leaf>,
+    nets: Buffer<abi::Point>,
+}
+
 /// The leaves that splitting made, in no order.
 #[derive(Default)]
 struct Parts {
-    lists: Option<(Buffer<abi::PartPlace>, Buffer<abi::Patch>, Buffer<abi::Leaf>, Buffer<abi::Point>)>,
+    lists: Option<PartLists>,
     count: u32,
     visible: u32,
 }
@@ -112,7 +120,7 @@ pub(crate) fn estimate<G: Gpu>(
     let parts = split(session, seen, &estimated)?;
     let (first_leaves, leaf_count) = scan(session, &estimated.leaf_counts)?;
     let (first_points, point_count) = scan(session, &estimated.point_counts)?;
-    if leaf_count > u64::from(MAX_PARTS) {
+    if leaf_count > u64::from(MAX_PARTS) || point_count > u64::from(u32::MAX) {
         return Err(Stopped::Vertices);
     }
     let patches = session.allocate::<abi::Patch>(leaf_count as usize)?;
@@ -140,8 +148,8 @@ pub(crate) fn estimate<G: Gpu>(
             &lists.2,
         ],
     )?;
-    if let Some((places, part_patches, part_leaves, part_nets)) = &parts.lists {
-        let from = (places.pointer(), part_patches.pointer(), part_leaves.pointer(), part_nets.pointer());
+    if let Some(PartLists { places, patches, leaves, nets }) = &parts.lists {
+        let from = (places.pointer(), patches.pointer(), leaves.pointer(), nets.pointer());
         session.for_each(
             "place_parts",
             parts.count as usize,
@@ -183,65 +191,79 @@ fn grids<G: Gpu>(session: &mut Session<G>, seen: &Seen, visible: Buffer<abi::Vis
     Ok(Estimated { visible, leaf_counts, point_counts, work, split })
 }
 
+/// What splitting has room for.
+struct Room {
+    halves: usize,
+    parts: usize,
+    part_points: usize,
+}
+
 /// The leaves of all other patches. What there was no room for is counted, and made in a second run.
 fn split<G: Gpu>(session: &mut Session<G>, seen: &Seen, from: &Estimated) -> Result<Parts, Stopped> {
     if from.split == 0 {
         return Ok(Parts::default());
     }
-    let scene = seen.scene;
-    let mut halves = HALVES;
-    let mut parts = PARTS * from.split as usize;
-    let mut part_points = parts * scene.most_points.min(64);
+    let parts = PARTS * from.split as usize;
+    let mut room = Room { halves: HALVES, parts, part_points: parts * seen.scene.most_points.min(64) };
     loop {
-        let counters =
-            session.upload(&[abi::Counters { error: abi::NO_ERROR, split: from.split, ..abi::Counters::default() }])?;
-        let bytes = 8 * scene.memory + halves * size_of::<abi::Half>();
-        let warps = (SPLIT_BYTES / bytes).clamp(1, SPLIT_WARPS).min(from.split as usize);
-        let places = session.allocate(parts)?;
-        let patches = session.allocate(parts)?;
-        let leaves = session.allocate(parts)?;
-        let nets = session.allocate(part_points)?;
-        let pointers = SplitPointers {
-            visible: from.visible.pointer(),
-            work: from.work.pointer(),
-            counters: counters.pointer(),
-            leaf_counts: from.leaf_counts.pointer(),
-            point_counts: from.point_counts.pointer(),
-            patches: patches.pointer(),
-            leaves: leaves.pointer(),
-            places: places.pointer(),
-            nets: nets.pointer(),
-            memory: session.allocate(warps * scene.memory)?.pointer(),
-            halves: session.allocate(warps * halves)?.pointer(),
-            tried: session.allocate(warps * TRIED)?.pointer(),
-        };
-        let sizes = SplitSizes {
-            instances: scene.instances(),
-            parts: parts as u32,
-            part_points: part_points as u32,
-            memory: scene.memory as u32,
-            halves: halves as u32,
-            tried: TRIED as u32,
-        };
-        session.launch(
-            "split_patches",
-            Shape::row(warps as u32, 32),
-            &[&seen.view, &seen.rules, &scene.pointers(), &pointers, &sizes],
-        )?;
-        let found = session.download(&counters)?[0];
+        let (found, lists) = split_within(session, seen, from, &room)?;
         if found.error != abi::NO_ERROR {
             return Err(Stopped::Item { item: (found.error >> 8) as u32, error: found.error as u32 & 0xff });
         }
-        if found.parts > MAX_PARTS {
+        if found.parts > MAX_PARTS || found.part_points > u64::from(u32::MAX) {
             return Err(Stopped::Vertices);
         }
+        let (parts, part_points) = (found.parts as usize, found.part_points as usize);
         if found.short_of_halves > 0 {
-            halves *= 8;
-        } else if found.parts as usize <= parts && found.part_points <= part_points as u64 {
-            let lists = Some((places, patches, leaves, nets));
-            return Ok(Parts { lists, count: found.parts, visible: found.visible });
+            room.halves *= 8;
+        } else if parts <= room.parts && part_points <= room.part_points {
+            return Ok(Parts { lists: Some(lists), count: found.parts, visible: found.visible });
         }
-        parts = parts.max(found.parts as usize);
-        part_points = part_points.max(found.part_points as usize);
+        room.parts = room.parts.max(parts);
+        room.part_points = room.part_points.max(part_points);
     }
+}
+
+fn split_within<G: Gpu>(
+    session: &mut Session<G>,
+    seen: &Seen,
+    from: &Estimated,
+    room: &Room,
+) -> Result<(abi::Counters, PartLists), GpuError> {
+    let Seen { scene, view, rules } = seen;
+    let start = abi::Counters { error: abi::NO_ERROR, split: from.split, ..abi::Counters::default() };
+    let counters = session.upload(&[start])?;
+    let bytes = 8 * scene.memory + room.halves * size_of::<abi::Half>();
+    let warps = (SPLIT_BYTES / bytes).clamp(1, SPLIT_WARPS).min(from.split as usize);
+    let lists = PartLists {
+        places: session.allocate(room.parts)?,
+        patches: session.allocate(room.parts)?,
+        leaves: session.allocate(room.parts)?,
+        nets: session.allocate(room.part_points)?,
+    };
+    let pointers = SplitPointers {
+        visible: from.visible.pointer(),
+        work: from.work.pointer(),
+        counters: counters.pointer(),
+        leaf_counts: from.leaf_counts.pointer(),
+        point_counts: from.point_counts.pointer(),
+        patches: lists.patches.pointer(),
+        leaves: lists.leaves.pointer(),
+        places: lists.places.pointer(),
+        nets: lists.nets.pointer(),
+        memory: session.allocate(warps * scene.memory)?.pointer(),
+        halves: session.allocate(warps * room.halves)?.pointer(),
+        tried: session.allocate(warps * TRIED)?.pointer(),
+    };
+    let sizes = SplitSizes {
+        instances: scene.instances(),
+        parts: room.parts as u32,
+        part_points: room.part_points as u32,
+        memory: scene.memory as u32,
+        halves: room.halves as u32,
+        tried: TRIED as u32,
+    };
+    let shape = Shape::row(warps as u32, 32);
+    session.launch("split_patches", shape, &[view, rules, &scene.pointers(), &pointers, &sizes])?;
+    Ok((session.download(&counters)?[0], lists))
 }

@@ -111,9 +111,10 @@ impl Staged {
 pub(crate) fn evaluate<G: Gpu>(
     session: &mut Session<G>,
     geometry: &Geometry,
+    vertices: &Buffer<abi::Vertex>,
     arithmetics: Option<&Buffer<u8>>,
 ) -> Result<(), GpuError> {
-    let Geometry { view, patches, nets, basis, meshlets, vertices, .. } = geometry;
+    let Geometry { view, patches, nets, basis, meshlets, .. } = geometry;
     let all = meshlets.len();
     let kernels: Vec<String> = Kernel::all().map(|kernel| kernel.to_string()).collect();
     let arithmetics = arithmetics.map_or(Pointer::NULL, Buffer::pointer);

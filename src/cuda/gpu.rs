@@ -123,6 +123,8 @@ pub enum GpuError {
     Emulated(#[from] LaunchError),
     #[error(transparent)]
     Cuda(#[from] CudaError),
+    #[error("this view needs {needed} {what}; a frame holds {limit}")]
+    TooMany { what: &'static str, needed: u64, limit: u64 },
 }
 
 /// Memory and launches of one device. Launches follow each other; reading waits for them.

@@ -88,19 +88,14 @@ fn trim<G: Gpu>(
     if looked_at > 0 {
         let list = session.allocate::<abi::Meshlet>(looked_at as usize)?;
         let numbers = session.allocate::<u32>(looked_at as usize)?;
-        let (list, numbers) = (list.pointer(), numbers.pointer());
         session.for_each(
             "meshlet_look",
             length,
-            &[&count, &meshlets, &states, &slots.pointer(), &firsts.pointer(), &list, &numbers],
+            &[&count, &meshlets, &states, &slots.pointer(), &firsts.pointer(), &list.pointer(), &numbers.pointer()],
         )?;
+        let vertices = evaluated_vertices(session, seen, leaves, &list, evaluated)?;
         let looked_at = looked_at as u32;
-        let points = session.allocate::<abi::Vertex>(evaluated as usize)?.pointer();
-        session.launch(
-            "evaluate_f32",
-            Shape::row(looked_at.div_ceil(WARPS), WARPS * 32),
-            &[&seen.view, &patches, &list, &leaves.nets.pointer(), &leaves.basis.pointer(), &points, &looked_at],
-        )?;
+        let (list, numbers, vertices) = (list.pointer(), numbers.pointer(), vertices.pointer());
         session.launch(
             "meshlet_region",
             Shape::row(looked_at.div_ceil(REGION_WARPS), REGION_WARPS * 32),
@@ -111,7 +106,7 @@ fn trim<G: Gpu>(
                 &descriptions,
                 &list,
                 &numbers,
-                &points,
+                &vertices,
                 &meshlets,
                 &states,
                 &counts.pointer(),
@@ -128,4 +123,22 @@ fn trim<G: Gpu>(
         &[&count, &meshlets, &states, &slots.pointer(), &firsts.pointer(), &list.pointer()],
     )?;
     Ok(Meshlets { meshlets: list, vertices, outside: length as u64 - kept, ..all })
+}
+
+/// The vertices of blocks that are looked at: their triangles say how far fragments' parameters may be off.
+fn evaluated_vertices<G: Gpu>(
+    session: &mut Session<G>,
+    seen: &Seen,
+    leaves: &Leaves,
+    list: &Buffer<abi::Meshlet>,
+    vertices: u64,
+) -> Result<Buffer<abi::Vertex>, GpuError> {
+    let (count, vertices) = (list.len() as u32, session.allocate(vertices as usize)?);
+    let (patches, nets, basis) = (leaves.patches.pointer(), leaves.nets.pointer(), leaves.basis.pointer());
+    session.launch(
+        "evaluate_f32",
+        Shape::row(count.div_ceil(WARPS), WARPS * 32),
+        &[&seen.view, &patches, &list.pointer(), &nets, &basis, &vertices.pointer(), &count],
+    )?;
+    Ok(vertices)
 }

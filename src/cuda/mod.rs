@@ -8,20 +8,25 @@
 //! | `cull.rs` | which patches can be seen |
 //! | `device.rs` | which devices there are, and what is missing where there is none |
 //! | `estimate.rs` | the leaves of all visible patches, with their grids |
-//! | `evaluate.rs` | a frame's patches and meshlets as `kernels/abi.h` describes them |
-//! | `frame.rs` | the staged frame: which kernels run, one stage after the other |
+//! | `evaluate.rs` | the vertices of all meshlets, by the kernels for their patches |
+//! | `fill.rs` | the pixels that the spare buffer takes |
+//! | `frame.rs` | the frame after estimate: its buffers and the order of its stages |
 //! | `gpu.rs` | memory and launches: what a frame needs of a device |
 //! | `leaves.rs` | what the stages that draw a patch know of it |
 //! | `meshlets.rs` | the list of meshlets |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
+//! | `precision.rs` | the arithmetics of evaluation, and a bound of each one's error |
+//! | `rasterize.rs` | triangles and strokes |
 //! | `scan.rs` | prefix sums |
 //! | `scene.rs` | a scene in a device's memory |
-//! | `session.rs` | a frame's buffers and launches |
-//! | `stream.rs` | a GPU as a frame uses it |
-//! | `trims.rs` | trim trees in a device's memory |
-//! | `precision.rs` | the arithmetics of evaluation, and a bound of each one's error |
 //! | `selection.rs` | which arithmetic a patch is evaluated in |
+//! | `session.rs` | a frame's buffers and launches |
+//! | `settle.rs` | the nearest surface under pixels that are not settled |
+//! | `shade.rs` | the exact surface under every pixel |
+//! | `stream.rs` | a GPU as a frame uses it |
 //! | `surfaces.rs` | patches for the kernels that evaluate points with normals |
+//! | `trim.rs` | the meshlets that trim curves cross |
+//! | `trims.rs` | trim trees in a device's memory |
 //!
 //! libcuda is opened when it is first asked for: the program starts where there is no driver.
 
@@ -38,20 +43,25 @@ pub(crate) mod cull;
 mod device;
 pub(crate) mod estimate;
 pub mod evaluate;
+mod fill;
 pub(crate) mod frame;
 mod gpu;
 pub(crate) mod leaves;
 pub(crate) mod meshlets;
 mod module;
 pub mod precision;
+mod rasterize;
 mod scan;
 pub mod scene;
 pub mod selection;
 pub(crate) mod session;
+mod settle;
+mod shade;
 // Launches and copies are calls of the driver.
 #[allow(unsafe_code)]
 mod stream;
 pub mod surfaces;
+mod trim;
 pub mod trims;
 
 pub use device::{Device, Driver, devices, driver};

@@ -134,13 +134,14 @@ fn patch(scene: &Scene, patch: &Patch) -> abi::ScenePatch {
         origin: patch.origin.to_array(),
         cone_axis: patch.cone.axis.to_array(),
         cone_cos: patch.cone.cos_angle,
+        radius: patch.radius,
         domain: patch.domain,
         enclosure_low: patch.enclosure.low.map(|v| v.to_array()),
         enclosure_high: patch.enclosure.high.map(|v| v.to_array()),
         enclosure_radius: patch.enclosure.radius,
         gap: patch.trim.gap,
         rim: patch.trim.rim.into(),
-        unused: 0,
+        unused: [0; 3],
     }
 }
 

@@ -1,11 +1,11 @@
 //! One frame's use of a device: buffers that are freed together, and launches that all begin with the frame's geometry.
 
-use super::{Argument, Buffer, Gpu, GpuError, Pod, Shape, abi};
+use super::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape, abi};
 
 /// Threads a block of kernels that give a thread to each pixel, or to each entry of a list.
-const THREADS: u32 = 128;
+pub(crate) const THREADS: u32 = 128;
 /// Warps a block of kernels that give a warp to each meshlet.
-const WARPS: u32 = 4;
+const WARPS: usize = THREADS as usize / 32;
 
 /// Buffers of one frame.
 pub(crate) struct Session<'g, G: Gpu> {
@@ -24,7 +24,8 @@ pub(crate) struct Geometry {
     pub nets: Buffer<abi::Point>,
     pub basis: Buffer<f32>,
     pub meshlets: Buffer<abi::Meshlet>,
-    pub vertices: Buffer<abi::Vertex>,
+    /// None: evaluated where they are wanted.
+    pub vertices: Option<Buffer<abi::Vertex>>,
 }
 
 impl<'g, G: Gpu> Session<'g, G> {
@@ -81,16 +82,27 @@ impl<'g, G: Gpu> Session<'g, G> {
         geometry.with(rest, |arguments| self.for_each(kernel, count, arguments))
     }
 
-    /// A warp for each meshlet, of a kernel that is given the geometry and the number of meshlets before all else.
-    pub fn for_meshlets(&mut self, geometry: &Geometry, kernel: &str, rest: &[&dyn Argument]) -> Result<(), GpuError> {
+    /// So many blocks of a kernel that is given the geometry and the number of meshlets before all else.
+    pub fn blocks(
+        &mut self,
+        geometry: &Geometry,
+        kernel: &str,
+        blocks: usize,
+        rest: &[&dyn Argument],
+    ) -> Result<(), GpuError> {
         let count = geometry.meshlets.len() as u32;
-        if count == 0 {
-            return Ok(());
-        }
-        let shape = Shape::row(count.div_ceil(WARPS), WARPS * 32);
         let mut all: Vec<&dyn Argument> = vec![&count];
         all.extend(rest);
-        geometry.with(&all, |arguments| self.gpu.launch(kernel, shape, arguments))
+        geometry.with(&all, |arguments| self.gpu.launch(kernel, Shape::row(blocks as u32, THREADS), arguments))
+    }
+
+    /// A warp for each meshlet, of a kernel that is given the geometry and the number of meshlets before all else.
+    pub fn for_meshlets(&mut self, geometry: &Geometry, kernel: &str, rest: &[&dyn Argument]) -> Result<(), GpuError> {
+        let blocks = geometry.meshlets.len().div_ceil(WARPS);
+        if blocks == 0 {
+            return Ok(());
+        }
+        self.blocks(geometry, kernel, blocks, rest)
     }
 
     /// Memory that the frame has on the device.
@@ -124,8 +136,9 @@ impl<'g, G: Gpu> Session<'g, G> {
 impl Geometry {
     fn with<R>(&self, rest: &[&dyn Argument], launch: impl FnOnce(&[&dyn Argument]) -> R) -> R {
         let (patches, leaves, nets) = (self.patches.pointer(), self.leaves.pointer(), self.nets.pointer());
-        let (meshlets, vertices) = (self.meshlets.pointer(), self.vertices.pointer());
-        let mut all: Vec<&dyn Argument> = vec![&self.view, &patches, &leaves, &nets, &meshlets, &vertices];
+        let (basis, meshlets) = (self.basis.pointer(), self.meshlets.pointer());
+        let vertices = self.vertices.as_ref().map_or(Pointer::NULL, Buffer::pointer);
+        let mut all: Vec<&dyn Argument> = vec![&self.view, &patches, &leaves, &nets, &basis, &meshlets, &vertices];
         all.extend(rest);
         launch(&all)
     }

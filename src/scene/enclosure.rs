@@ -41,6 +41,11 @@ impl Enclosure {
     }
 }
 
+/// All of a patch lies so near to its origin, what rounding takes included.
+pub fn radius(net: Net) -> f64 {
+    net.hull().map(DVec3::length).fold(0.0, f64::max) * (1.0 + 1e-9)
+}
+
 /// A cone that holds all normals of a patch: the control vectors of the polynomial
 /// `w P_u x P_v - w_v P_u x P - w_u P x P_v`, which is `S_u x S_v` times `w^3`.
 pub fn normal_cone(net: Net) -> NormalCone {

@@ -12,7 +12,7 @@ mod trim_tree;
 
 pub use camera::{Camera, CameraError, MAX_SIDE, Projection, View, ViewSpec};
 pub use closure::visible_sides;
-pub use enclosure::{enclose, normal_cone};
+pub use enclosure::{enclose, normal_cone, radius};
 pub use prepare::{PrepareError, prepare};
 pub use trim_lines::Window;
 pub use trim_segment::ParameterBox;
@@ -54,6 +54,8 @@ pub struct Patch {
     pub rational: bool,
     pub enclosure: Enclosure,
     pub cone: NormalCone,
+    /// All of it lies so near to its origin.
+    pub radius: f64,
     pub trim: PatchTrim,
 }
 

@@ -1,8 +1,8 @@
 //! `Model` to `Scene`: once a model, in parallel, f64.
 
 use super::{
-    Bounds, Patch, PatchTrim, Scene, SceneFace, SceneInstance, Sides, enclose, normal_cone, trim_faces::trim_faces,
-    visible_sides,
+    Bounds, Patch, PatchTrim, Scene, SceneFace, SceneInstance, Sides, enclose, normal_cone, radius,
+    trim_faces::trim_faces, visible_sides,
 };
 use crate::geometry::{BezierPatch, Net};
 use crate::model::{Face, Instance, Model, Part, Solidity};
@@ -133,6 +133,7 @@ fn prepare_patch(source: &Source) -> (Patch, Vec<DVec4>) {
         rational: net.is_rational(),
         enclosure: enclose(net),
         cone: normal_cone(net),
+        radius: radius(net),
         trim: source.trim,
     };
     (patch, points)

@@ -2,7 +2,6 @@
 //! kernels/cone.cuh; cosines alone are compared, since devices have arc functions of their own.
 
 use super::lens::PatchMap;
-use crate::geometry::Net;
 use glam::DVec3;
 
 /// What rounding may have added to a cosine of unit vectors.
@@ -31,13 +30,12 @@ impl Cone {
         cos_a > 0.0 && cos_b > 0.0 && cos > 0.0 && self.axis.dot(other.axis) > sin + CLEARLY
     }
 
-    /// The directions from the eye to a patch, in the patch's own coordinates; `None`: they fill more than half a sphere.
-    pub fn of_rays(net: Net, map: &PatchMap) -> Option<Cone> {
+    /// The directions from the eye to a ball about a patch's origin, in the patch's own coordinates; `None`: the eye is in it.
+    pub fn of_rays(radius: f64, map: &PatchMap) -> Option<Cone> {
         let eye = eye(map);
-        let directions = || net.hull().map(|p| (p - eye).normalize_or_zero());
-        let axis = directions().sum::<DVec3>().try_normalize()?;
-        let cos = directions().map(|d| d.dot(axis)).fold(1.0, f64::min);
-        (cos > 0.0).then_some(Cone { axis, cos })
+        let distance = eye.length();
+        let sin = radius / distance;
+        (sin < 1.0).then(|| Cone { axis: eye * (-1.0 / distance), cos: (1.0 - sin * sin).sqrt() })
     }
 
     /// The one direction that leaves a pixel where it is, of an orthographic view; the forward axis itself only where nothing

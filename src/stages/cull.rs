@@ -124,7 +124,7 @@ impl<'a> Culler<'a> {
     pub fn patch(&mut self, instance: u32, index: u32, out: &mut Leaves) -> Result<(), RenderError> {
         let patch = &self.scene.patches[index as usize];
         let map = self.lens.patch_map(&self.scene.instances[instance as usize], patch.origin);
-        if self.is_back_patch(patch, &map) {
+        if self.is_outside(patch.radius, &map) || self.is_back_patch(patch, &map) {
             return Ok(());
         }
         let before = out.leaves.len();
@@ -256,6 +256,24 @@ impl<'a> Culler<'a> {
         }))
     }
 
+    /// A ball about a patch's origin lies beyond one side of the image, or nearer than what is drawn: most patches go so,
+    /// without a look at their points.
+    fn is_outside(&self, radius: f64, map: &PatchMap) -> bool {
+        let lens = self.lens;
+        let [x, y, z] = map.rows;
+        let by = if lens.perspective { z } else { DVec4::W };
+        // q is positive all over the ball.
+        let positive = |q: DVec4| {
+            let across = q.truncate();
+            q.w > 0.0 && q.w * q.w > across.dot(across) * (radius * radius)
+        };
+        let beyond = |axis: usize, row: DVec4| {
+            let limit = by * (lens.half(axis) + MARGIN);
+            positive(row - limit) || positive(-row - limit)
+        };
+        beyond(0, x) || beyond(1, y) || positive(DVec4::W * lens.near - z)
+    }
+
     /// The whole hull lies beyond one side of the image; holds for points behind the eye too.
     fn outside(&self) -> bool {
         let lens = self.lens;
@@ -324,11 +342,8 @@ impl<'a> Culler<'a> {
         }
         // Seen from its own coordinates a solid looks the same however its instance stretches or mirrors it.
         let normals = Cone { axis: patch.cone.axis * f64::from(side), cos: patch.cone.cos_angle };
-        let rays = if self.lens.perspective {
-            Cone::of_rays(self.scene.net(patch), map)
-        } else {
-            Some(Cone::of_parallel_rays(map))
-        };
+        let rays =
+            if self.lens.perspective { Cone::of_rays(patch.radius, map) } else { Some(Cone::of_parallel_rays(map)) };
         rays.is_some_and(|rays| normals.is_near(&rays))
     }
 

@@ -92,6 +92,7 @@ impl Renderer<'_> {
             basis: leaves.basis,
             meshlets: meshlets.meshlets,
             vertices: meshlets.vertices,
+            shape: options.frame,
             trims: scene.trims(),
             trimmed: scene.trimmed,
         };

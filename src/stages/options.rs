@@ -65,6 +65,17 @@ pub enum Cull {
     On,
 }
 
+/// The shape of a frame on a device; the CPU has one of its own. All draw the same words.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum FrameShape {
+    /// Vertices are evaluated where they are drawn: no memory holds them.
+    #[default]
+    Fused,
+    /// ETER's own: meshlets of vertices in memory, then the rasteriser.
+    Staged,
+}
+
 /// How trim loops cut their faces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
@@ -102,6 +113,7 @@ pub struct Options {
     pub cull: Cull,
     pub trim: Trim,
     pub show: Show,
+    pub frame: FrameShape,
     /// Newton steps towards the pixel centre; 0 is the papers' way.
     pub refine: u32,
     /// Pixels.
@@ -119,6 +131,7 @@ impl Default for Options {
             cull: Cull::Auto,
             trim: Trim::On,
             show: Show::Shaded,
+            frame: FrameShape::Fused,
             refine: 2,
             tolerance: 0.5,
             depth_tolerance: 1.0,

@@ -3,7 +3,7 @@
 use halfpixel::emulated::{Device, Schedule};
 use halfpixel::import;
 use halfpixel::scene::{Scene, ViewSpec, prepare};
-use halfpixel::stages::{Bound, Engine, Fill, Frame, Options, Renderer};
+use halfpixel::stages::{Bound, Engine, Fill, Frame, FrameShape, Options, Renderer};
 
 fn scene(name: &str) -> Scene {
     prepare(&import::load(name).expect("a model"), &|_, _| {}).expect("a scene")
@@ -11,6 +11,12 @@ fn scene(name: &str) -> Scene {
 
 /// Words, parameters and colours of both frames are the same.
 fn same(scene: &Scene, view: &ViewSpec, options: &Options, schedule: Schedule, what: &str) {
+    for frame in [FrameShape::Staged, FrameShape::Fused] {
+        same_in(scene, view, &Options { frame, ..*options }, schedule, &format!("{frame:?} {what}"));
+    }
+}
+
+fn same_in(scene: &Scene, view: &ViewSpec, options: &Options, schedule: Schedule, what: &str) {
     let camera = view.camera(&scene.bounds).expect("a camera");
     let expected = Renderer::new(scene).render(&camera, options).expect("a frame");
     let engine = Engine::Emulated(Box::new(Device::new(schedule, 2)));

@@ -1,5 +1,6 @@
 //! cull, estimate and the list of meshlets by kernels against the CPU's, word for word.
 
+use crate::support::under_all_schedules;
 use glam::{DAffine3, DVec3};
 use halfpixel::cuda::abi;
 use halfpixel::cuda::evaluate::Staged;
@@ -154,6 +155,31 @@ fn errors_are_the_cpus() {
     stopped("builtin:teapot", view(false, 1.0), Options { tolerance: 0.00196, ..options });
     stopped("builtin:torus", view(false, 1.0), Options { depth_tolerance: 1e-30, ..options });
     stopped("builtin:sphere", view(false, 1e25), options);
+}
+
+/// Whatever order blocks, warps and lanes take: halvings of all kinds, trims and rational nets.
+#[test]
+fn any_order_gives_the_same_words() {
+    let fine = Options { tolerance: 0.02, depth_tolerance: 0.05, ..Options::default() };
+    let mut met = Met::default();
+    for (name, zoom) in [("builtin:torus", 9.0), ("builtin:trimmed:wedge", 3.0)] {
+        let scene = scene(name);
+        let renderer = Renderer::new(&scene);
+        let (center, radius) = (scene.bounds.center(), scene.bounds.radius());
+        let inside = Some(center + DVec3::new(0.3, -0.2, 0.25) * radius);
+        let closer = ViewSpec { size: [320, 240], ..view(false, zoom) };
+        let within = ViewSpec { eye: inside, target: Some(center), ..view(false, 1.0) };
+        for (view, options) in [(closer, fine), (within, Options::default())] {
+            let camera = view.camera(&scene.bounds).expect("a camera");
+            let (expected, _) = renderer.staged(&camera, &options).expect("a frame");
+            met.add(&expected);
+            under_all_schedules(|device| {
+                let (found, _) = renderer.staged_on(device, &camera, &options).expect("a frame");
+                compare(&found, &expected, &format!("{name}, {:?}", device.schedule));
+            });
+        }
+    }
+    assert!(met.rational_parts > 50 && met.deep > 0 && met.tested > 40, "{met:?}");
 }
 
 /// What is told of a frame.

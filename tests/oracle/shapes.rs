@@ -39,6 +39,7 @@ pub fn scene(parts: &[Part], offset: DVec3) -> Scene {
             rational: true,
             enclosure: Enclosure::default(),
             cone: NormalCone { axis: DVec3::Z, cos_angle: -1.0 },
+            radius: f64::INFINITY,
             trim: Default::default(),
         });
     }

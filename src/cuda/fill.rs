@@ -1,0 +1,18 @@
+//! fill, host side: the pixels that the spare buffer takes. Twin of src/stages/fill.rs.
+
+use super::frame::{Pixels, Stages};
+use super::{Gpu, GpuError};
+
+impl<G: Gpu> Stages<'_, '_, G> {
+    pub(super) fn fill(&mut self) -> Result<Pixels, GpuError> {
+        let pixels = self.pixels();
+        let filled = self.list(pixels / 16 + 1, |stages, list, count| {
+            let (near, spare) = (stages.near.pointer(), stages.spare.pointer());
+            let (room, list, count) = (list.len() as u32, list.pointer(), count.pointer());
+            stages.session.for_each_in(&stages.geometry, "fill_list", pixels, &[&near, &spare, &room, &list, &count])
+        })?;
+        let (near, spare, list) = (self.near.pointer(), self.spare.pointer(), filled.list.pointer());
+        self.session.for_each("fill_take", filled.count as usize, &[&near, &spare, &list, &filled.count])?;
+        Ok(filled)
+    }
+}

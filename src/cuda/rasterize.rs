@@ -1,0 +1,41 @@
+//! rasterize, host side: triangles and strokes into the two buffers. Twin of src/stages/rasterize.rs.
+
+use super::frame::Stages;
+use super::session::THREADS;
+use super::{Argument, Gpu, GpuError};
+
+/// Classes of meshlets of rasterize.cu.
+const CLASSES: usize = 3;
+/// Blocks of kernels that go through a list of unknown length: several times as many as any device runs at once.
+const MOST_BLOCKS: usize = 1 << 13;
+
+impl<G: Gpu> Stages<'_, '_, G> {
+    /// Triangles, then strokes where these leave room: in the fused frame by classes of meshlets, those of few lanes first,
+    /// since they hand what is too large for them on to the widest.
+    pub(super) fn rasterize(&mut self) -> Result<(), GpuError> {
+        let (near, spare) = (self.near.pointer(), self.spare.pointer());
+        if self.geometry.vertices.is_some() {
+            self.session.for_meshlets(&self.geometry, "rasterize_triangles", &[&near])?;
+            return self.session.for_meshlets(&self.geometry, "rasterize_strokes", &[&near, &spare]);
+        }
+        let count = self.geometry.meshlets.len();
+        if count == 0 {
+            return Ok(());
+        }
+        let mut list = || self.session.allocate::<u32>(count).map(|list| list.pointer());
+        let (corners, narrow, wide) = (list()?, list()?, list()?);
+        let counts = self.session.zeroed::<u32>(CLASSES)?.pointer();
+        let meshlets = self.geometry.meshlets.pointer();
+        let lists: [&dyn Argument; 6] = [&meshlets, &(count as u32), &corners, &narrow, &wide, &counts];
+        self.session.for_each("rasterize_classes", count, &lists)?;
+        for part in ["rasterize", "stroke"] {
+            for (class, lanes, numbers) in [("corners", 1, corners), ("narrow", 8, narrow), ("wide", 32, wide)] {
+                // The host does not know how many there are: blocks go on until the list ends.
+                let blocks = (count * lanes).div_ceil(THREADS as usize).min(MOST_BLOCKS);
+                let rest: [&dyn Argument; 5] = [&numbers, &wide, &counts, &near, &spare];
+                self.session.blocks(&self.geometry, &format!("{part}_{class}"), blocks, &rest)?;
+            }
+        }
+        Ok(())
+    }
+}
