@@ -115,6 +115,8 @@ if [ -n "$unpacked" ] && wait "$unpacked"; then
     [ "$backend" = cuda ] || { find library -type f -printf '%s %p\n' | sort -n | head -3 | cut -d' ' -f2- >files.txt; }
     bench library "${limits[0]}" frame @files.txt --patches 1 "${library[@]}"
     [ "${limits[1]}" -eq 0 ] || bench library-copies "${limits[1]}" frame @files.txt --frames 3 "${library[@]}"
+else
+    echo "library,not in the bundle,0,0" | tee -a "$out/steps.csv"
 fi
 
 {

@@ -166,6 +166,6 @@ fn kernels_draw_what_the_cpu_draws() {
     let line = ["bench", "backends", "builtin:trimmed:plate", "builtin:torus", "--size", "48x32"];
     let Some(found) = kernels(&folder, &line) else { return };
     let rows = found["rows"].as_array().unwrap();
-    assert_eq!(rows.len(), 4);
+    assert_eq!(rows.len(), 6);
     assert!(rows.iter().all(|row| row["words"] == 0 && row["drawn"].as_u64() > Some(0)), "{rows:?}");
 }

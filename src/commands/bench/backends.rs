@@ -6,8 +6,7 @@ use crate::commands::UsageError;
 use crate::commands::args::FrameArgs;
 use crate::commands::used::Used;
 use crate::report::{Cell, Machine, Table, name};
-use crate::scene::Scene;
-use crate::stages::{Bound, Engine, Fill, Frame, Grid, Options, RenderError, Renderer};
+use crate::stages::{Bound, Engine, Fill, Frame, FrameShape, Grid, Options, RenderError, Renderer};
 use anyhow::Result;
 
 #[derive(Clone, Debug, clap::Args)]
@@ -58,8 +57,12 @@ pub fn run(args: &Args) -> Result<()> {
     args.frame.model.install(|| {
         for model in args.frame.model.each() {
             let (loaded, scene) = model.load_scene()?;
+            let camera = args.frame.camera(&scene)?;
+            let mut renderer = Renderer::with(&scene, args.frame.backend.engine()?);
             for options in configurations(&args.frame.options()) {
-                let outcome = compare(args, &scene, &options)?;
+                let pair = Renderer::new(&scene).render(&camera, &options);
+                let pair = pair.and_then(|expected| Ok((expected, renderer.render(&camera, &options)?)));
+                let outcome = pair.map(|(expected, found)| Difference::of(&expected, &found));
                 found.push(Finding { model: loaded.name.clone(), options, outcome });
             }
         }
@@ -84,19 +87,10 @@ pub fn run(args: &Args) -> Result<()> {
     sheet.publish(&args.results)
 }
 
-/// What was asked for, and what ETER draws.
-fn configurations(ours: &Options) -> [Options; 2] {
-    [*ours, Options { bound: Bound::Eter, grid: Grid::Eter, fill: Fill::Eter, ..*ours }]
-}
-
-fn compare(args: &Args, scene: &Scene, options: &Options) -> Result<Result<Difference, RenderError>> {
-    let camera = args.frame.camera(scene)?;
-    let expected = Renderer::new(scene).render(&camera, options);
-    let found = Renderer::with(scene, args.frame.backend.engine()?).render(&camera, options);
-    Ok(match (expected, found) {
-        (Ok(expected), Ok(found)) => Ok(Difference::of(&expected, &found)),
-        (Err(refused), _) | (_, Err(refused)) => Err(refused),
-    })
+/// What was asked for, the same staged, and what ETER draws.
+fn configurations(ours: &Options) -> [Options; 3] {
+    let staged = Options { frame: FrameShape::Staged, ..*ours };
+    [*ours, staged, Options { bound: Bound::Eter, grid: Grid::Eter, fill: Fill::Eter, ..staged }]
 }
 
 impl Difference {
@@ -131,6 +125,7 @@ fn table(found: &[Finding], stamped: &[Cell]) -> Table {
         "bound",
         "grid",
         "fill",
+        "frame",
         "pixels",
         "drawn",
         "words",
@@ -153,6 +148,7 @@ fn table(found: &[Finding], stamped: &[Cell]) -> Table {
             name(options.bound).into(),
             name(options.grid).into(),
             name(options.fill).into(),
+            name(options.frame).into(),
             count(|d| d.pixels),
             count(|d| d.drawn),
             count(|d| d.words),

@@ -25,7 +25,8 @@ pub fn sample(measured: &Measured) -> ([f64; TERMS], f64) {
 }
 
 impl Fit {
-    /// Least squares of relative errors, as times differ by orders of magnitude; `None` where frames are too few or too much alike to tell the terms apart.
+    /// Least squares of relative errors, as times differ by orders of magnitude; `None` where frames are too few. A term is 0
+    /// where frames are too much alike to tell it from others.
     pub fn of(frames: &[([f64; TERMS], f64)]) -> Option<Self> {
         if frames.len() <= TERMS {
             return None;
@@ -46,7 +47,7 @@ impl Fit {
         // Their size is that of the least time squared.
         let largest = rows.iter().flatten().copied().fold(0.0, f64::max);
         rows.iter_mut().flatten().for_each(|x| *x /= largest);
-        let solution = solve(rows)?;
+        let solution = solve(rows);
         let coefficients: [f64; TERMS] = std::array::from_fn(|k| solution[k] / scale[k]);
         let mean = frames.iter().map(|f| f.1).sum::<f64>() / frames.len() as f64;
         let off =
@@ -58,14 +59,36 @@ impl Fit {
     }
 }
 
-/// Gauss's elimination with the largest pivot of each column.
-fn solve(mut rows: [[f64; TERMS + 1]; TERMS]) -> Option<[f64; TERMS]> {
+/// Without the terms that can't be told from others, and then without those that would cost less than nothing.
+fn solve(mut rows: System) -> [f64; TERMS] {
+    loop {
+        let left_out = match eliminate(rows) {
+            Ok(solution) => {
+                let least = (0..TERMS).min_by(|&a, &b| solution[a].total_cmp(&solution[b])).unwrap_or(0);
+                if solution[least] >= 0.0 {
+                    return solution;
+                }
+                least
+            }
+            Err(dependent) => dependent,
+        };
+        // Its coefficient is 0.
+        rows.iter_mut().for_each(|row| row[left_out] = 0.0);
+        rows[left_out] = [0.0; TERMS + 1];
+        rows[left_out][left_out] = 1.0;
+    }
+}
+
+/// Normal equations: a row for each term, the last column their right sides.
+type System = [[f64; TERMS + 1]; TERMS];
+
+/// Cholesky's order, without exchanges: a small pivot is a term that depends on those before it, and is returned.
+fn eliminate(mut rows: System) -> Result<[f64; TERMS], usize> {
+    let size: [f64; TERMS] = std::array::from_fn(|k| rows[k][k]);
     for k in 0..TERMS {
-        let largest = (k..TERMS).max_by(|&a, &b| rows[a][k].abs().total_cmp(&rows[b][k].abs()))?;
-        rows.swap(k, largest);
         let pivot = rows[k];
-        if pivot[k].abs() < 1e-12 {
-            return None;
+        if pivot[k] <= 1e-6 * size[k] {
+            return Err(k);
         }
         for row in &mut rows[k + 1..] {
             let factor = row[k] / pivot[k];
@@ -77,7 +100,7 @@ fn solve(mut rows: [[f64; TERMS + 1]; TERMS]) -> Option<[f64; TERMS]> {
         let known: f64 = (k + 1..TERMS).map(|j| rows[k][j] * solution[j]).sum();
         solution[k] = (rows[k][TERMS] - known) / rows[k][k];
     }
-    Some(solution)
+    Ok(solution)
 }
 
 /// One line a configuration.
@@ -131,9 +154,10 @@ mod tests {
     }
 
     #[test]
-    fn terms_that_can_not_be_told_apart_are_not_fitted() {
+    fn terms_that_can_not_be_told_apart_are_one() {
         let frames: Vec<_> = (1..9).map(|k| f64::from(k) * 100.0).map(|n| ([1.0, n, 2.0 * n, 5.0], n)).collect();
-        assert_eq!(Fit::of(&frames), None);
+        let fit = Fit::of(&frames).unwrap();
+        assert!((fit.coefficients[1] - 1.0).abs() < 1e-6 && fit.coefficients[2] == 0.0, "{fit:?}");
         assert_eq!(Fit::of(&frames[..3]), None);
     }
 }

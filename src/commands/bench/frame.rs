@@ -9,7 +9,7 @@ use crate::commands::source::prepare_model;
 use crate::model::repeated;
 use crate::report::{Cell, Errors, Measured, Outcome, Row, Summary, Table, name};
 use crate::scene::{Scene, ViewSpec};
-use crate::stages::{Bound, Engine, Grid, Options, Trim};
+use crate::stages::{Bound, Engine, FrameShape, Grid, Options, Trim};
 use anyhow::{Context, Result};
 
 #[derive(Clone, Debug, clap::Args)]
@@ -85,23 +85,27 @@ fn steps(last: u64) -> Vec<u64> {
     steps
 }
 
-/// Ours, and what ETER draws: as asked for, and without trims.
-fn configurations(args: &Args, copies: u64) -> Vec<Options> {
+/// Ours, the same in ETER's shape of a frame, and what ETER draws: as asked for, and of one model without trims too.
+fn configurations(args: &Args, on_device: bool, copies: u64) -> Vec<Options> {
     let ours = args.frame.options();
-    let eter = Options { bound: Bound::Eter, grid: Grid::Eter, ..ours };
-    let whole = |options| Options { trim: Trim::Off, ..options };
-    if copies == 1 { vec![ours, eter, whole(ours), whole(eter)] } else { vec![ours, eter] }
+    let staged = Options { frame: FrameShape::Staged, ..ours };
+    let eter = Options { bound: Bound::Eter, grid: Grid::Eter, ..staged };
+    let mut all = if on_device && staged != ours { vec![ours, staged, eter] } else { vec![ours, eter] };
+    if copies == 1 {
+        all.extend(all.clone().into_iter().map(|options| Options { trim: Trim::Off, ..options }));
+    }
+    all
 }
 
 impl Found {
     fn measure(&mut self, args: &Args, model: &str, scene: &Scene, copies: u64, engine: Engine) -> Result<()> {
         let view = args.frame.view_spec();
+        let on_device = !matches!(engine, Engine::Cpu);
         let mut subject = Subject::new(&format!("{model} x{copies}"), scene, args.effort, engine);
-        let configurations = configurations(args, copies);
-        self.rows.extend(subject.rows(&view, &configurations)?);
+        self.rows.extend(subject.rows(&view, &configurations(args, on_device, copies))?);
         // Other images of the same patches, with fewer pixels and with more triangles, tell the terms of the fit apart.
         let half = ViewSpec { size: view.size.map(|side| side.div_ceil(2)), ..view };
-        for options in &configurations[..2] {
+        for options in &configurations(args, on_device, 0) {
             let finer = Options { tolerance: options.tolerance / 4.0, ..*options };
             for (view, options) in [(half, *options), (view, finer)] {
                 if let Ok(timed) = subject.time(&view, &options)? {
@@ -133,7 +137,7 @@ impl Found {
             about: about(args, target),
             tables: vec![
                 (format!("Breakdown at {width}x{height}"), breakdown),
-                ("Ours against ETER's bound and grid, same run, same kernels".into(), against),
+                ("Ours against ETER's bound, grid and shape of a frame in the same run".into(), against),
                 ("Yeo's equation 11: ms = k + c0 patches + c1 triangles + c2 pixels".into(), fit::table(&fits)),
             ],
             rows: [self.rows, self.fitted].concat(),
@@ -159,13 +163,10 @@ fn about(args: &Args, target: u64) -> String {
     )
 }
 
-fn configuration(bound: Bound, grid: Grid, trim: Trim) -> String {
-    let trim = if trim == Trim::Off { ", no trims" } else { "" };
-    format!("{}, {}{trim}", name(bound), name(grid))
-}
-
 fn label(row: &Row) -> String {
-    configuration(row.setting.bound, row.setting.grid, row.setting.trim)
+    let shape = row.frame.map_or(String::new(), |shape| format!(", {}", name(shape)));
+    let trim = if row.setting.trim == Trim::Off { ", no trims" } else { "" };
+    format!("{}, {}{shape}{trim}", name(row.setting.bound), name(row.setting.grid))
 }
 
 fn breakdown(rows: &[Row]) -> Table {
@@ -215,7 +216,7 @@ fn breakdown(rows: &[Row]) -> Table {
 fn against(rows: &[Row], ours: &Options) -> Table {
     let mut table = Table::new(&[
         "model",
-        "trims",
+        "configuration",
         "ms",
         "ETER's ms",
         "times faster",
@@ -232,7 +233,7 @@ fn against(rows: &[Row], ours: &Options) -> Table {
         let refined = |row: &Row| row.errors().and_then(|e| e.refined).map(|s| s.max);
         table.push(vec![
             row.model.as_str().into(),
-            name(row.setting.trim).into(),
+            label(row).into(),
             a.total.median.into(),
             b.total.median.into(),
             (b.total.median / a.total.median).into(),
