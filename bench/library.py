@@ -3,7 +3,8 @@
 `library.py report FOLDER RESULTS [LIST]`: every file by itself (`info`: faces against the text, warnings), then all as one
 scene (`render`, `perf record` of the same, `verify`), then RESULTS.md and .json. Each step's result is kept under
 target/library-run while the program and the list stay the same, so a run that was cut off goes on; delete that folder to
-start anew. `library.py sample FOLDER > bench/library_sample.txt` draws the sample, and `library.py files FOLDER [LIST]`
+start anew. `library.py sample FOLDER > bench/library_sample.txt` draws the sample, `library.py slice FOLDER FACES` lists the files that
+scripts/gpu_bundle.sh packs, and `library.py files FOLDER [LIST]`
 lists files that fail, lose faces or have another number of them than the text.
 """
 
@@ -53,6 +54,19 @@ def sample(folder):
     rest = [path for path in files if path not in set(chosen)]
     chosen += random.Random(SEED).sample(rest, 30)
     return [str(path.relative_to(folder)) for path in chosen]
+
+
+def faces_slice(folder, faces):
+    """Files drawn with a seed until they hold so many faces, by name."""
+    files = step_files(folder)
+    random.Random(SEED).shuffle(files)
+    chosen = []
+    for path in files:
+        if faces <= 0:
+            break
+        faces -= count_faces(path)
+        chosen.append(str(path.relative_to(folder)))
+    return sorted(chosen)
 
 
 def run(arguments, time_limit):
@@ -265,6 +279,8 @@ def main(arguments):
     match arguments:
         case ["sample", folder]:
             print("\n".join(sample(Path(folder))))
+        case ["slice", folder, faces]:
+            print("\n".join(faces_slice(Path(folder), int(faces))))
         case ["files", folder]:
             return check_files([p.resolve() for p in step_files(folder)], Path(folder).resolve())
         case ["files", folder, names]:

@@ -86,6 +86,8 @@ fn wrong_usage_is_one_line_and_status_2() {
         &["info", "builtin:nothing"],
         &["render", "builtin:teapot", "-o", "a.png", "--size", "-1x5"],
         &["render", "builtin:teapot", "-o", "a.png", "--bound", "best"],
+        &["bench", "evaluate", "--backend", "cpu"],
+        &["bench", "backends", "builtin:teapot", "--backend", "cpu"],
     ] {
         error_line(arguments, 2);
     }

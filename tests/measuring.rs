@@ -105,3 +105,67 @@ fn the_other_suites_run() {
     assert_eq!(count(cases), 4);
     assert!(cases.as_array().unwrap().iter().all(|case| case["not finite"] == 0));
 }
+
+/// Runs a suite of kernels on the CPU; `None` where this build can't.
+fn kernels(folder: &Folder, line: &[&str]) -> Option<Value> {
+    if let Some(why) = halfpixel::emulated::missing() {
+        eprintln!("skipped: {why}");
+        return None;
+    }
+    halfpixel(&[line, &["--backend", "emulated", "-o", &folder.prefix()]].concat());
+    Some(folder.json())
+}
+
+#[test]
+fn every_kernel_of_evaluate_has_a_time_and_an_error() {
+    let folder = Folder::new("evaluate");
+    let Some(found) = kernels(&folder, &["bench", "evaluate", "--patches", "2", "--degrees", "3"]) else { return };
+    let rows = found["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 15);
+    assert_eq!(folder.read("out.csv").lines().count(), 16);
+    for row in rows {
+        let allowed = match row["arithmetic"].as_str().unwrap() {
+            "f16" | "f16_sparse" | "tf32" => 2e-3,
+            _ => 1e-6,
+        };
+        assert!(row["error_max_of_extent"].as_f64().unwrap() < allowed, "{row}");
+        assert!(row["store_floor_ms"].as_f64().unwrap() > 0.0 && row["arithmetic_floor_ms"].as_f64().unwrap() > 0.0);
+        assert_eq!((row["timed_by"].as_str(), row["vertices"].as_u64()), (Some("emulator: no speed"), Some(8192)));
+    }
+    assert!(folder.read("out.md").contains("MEAN NOTHING"));
+}
+
+#[test]
+fn no_arithmetic_leaves_its_bound() {
+    let folder = Folder::new("precision");
+    let Some(found) = kernels(&folder, &["bench", "precision", "--patches", "1"]) else { return };
+    let rows = found["rows"].as_array().unwrap();
+    // Degrees 1 to 7 and eight more cases in six arithmetics, degree 22 in one; one more that is not centred.
+    assert_eq!(rows.len(), 6 * 16 + 1);
+    let centred = rows.iter().filter(|row| row["centred"] == 1);
+    centred.for_each(|row| assert!(row["largest_part_of_bound"].as_f64().unwrap() <= 1.0, "{row}"));
+}
+
+#[test]
+fn frames_of_copies_are_measured_and_fitted() {
+    let folder = Folder::new("frame");
+    let prefix = folder.prefix();
+    let line = ["bench", "frame", "builtin:torus", "--patches", "70", "--frames", "1", "-o", &prefix];
+    halfpixel(&[&line[..], &SMALL].concat());
+    let found = folder.json();
+    // Of one with and without trims, of more as they are; ours and ETER's. Two more of each for the fit.
+    let copies = count(&found["tables"]["Breakdown at 64x48"]) / 2 - 1;
+    assert!((2..=4).contains(&copies), "{copies}");
+    assert_eq!(count(&found["rows"]), 4 + 2 * (copies - 1) + 4 * copies);
+    assert!(folder.read("out.md").contains("ns a triangle"));
+}
+
+#[test]
+fn kernels_draw_what_the_cpu_draws() {
+    let folder = Folder::new("backends");
+    let line = ["bench", "backends", "builtin:trimmed:plate", "builtin:torus", "--size", "48x32"];
+    let Some(found) = kernels(&folder, &line) else { return };
+    let rows = found["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 6);
+    assert!(rows.iter().all(|row| row["words"] == 0 && row["drawn"].as_u64() > Some(0)), "{rows:?}");
+}

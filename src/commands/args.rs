@@ -186,6 +186,10 @@ pub(super) fn parse_tolerance(text: &str) -> Result<f64, String> {
     parse_in(text, 0.0, 10.0)
 }
 
+pub(super) fn parse_width(text: &str) -> Result<f64, String> {
+    parse_in(text, 0.0, 1e5)
+}
+
 fn parse_depth_tolerance(text: &str) -> Result<f64, String> {
     parse_in(text, 0.0, 1e6)
 }

@@ -1,8 +1,8 @@
 //! `halfpixel devices`: lists what frames can be drawn on, and what is missing where one can't.
 
 use super::{backend, output, used};
-use crate::cuda;
-use anyhow::Result;
+use crate::{cuda, emulated};
+use anyhow::{Result, bail};
 use serde::Serialize;
 use std::{process::ExitCode, thread};
 
@@ -12,6 +12,9 @@ pub struct Args {
     /// Print one JSON object
     #[arg(long)]
     pub json: bool,
+    /// Load every kernel on every CUDA device; fails where one does not load, or where there is no device
+    #[arg(long)]
+    pub load: bool,
 }
 
 #[derive(Serialize)]
@@ -21,6 +24,9 @@ struct Devices {
     missing: Vec<Missing>,
     /// What compiled the kernels of this program.
     nvcc: Option<&'static str>,
+    /// Kernels that were loaded on each CUDA device, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    loaded: Option<usize>,
 }
 
 #[derive(Serialize)]
@@ -50,7 +56,8 @@ pub fn run(args: Args) -> Result<ExitCode> {
         [("cuda", backend::cuda_missing()), ("emulated", backend::emulated_missing()), ("vulkan", vec![no_vulkan])];
     let missing = missing.into_iter().filter(|(_, reasons)| !reasons.is_empty());
     let missing = missing.map(|(backend, reasons)| Missing { backend, reasons }).collect();
-    let devices = Devices { devices, missing, nvcc: cuda::toolkit().map(|t| t.version) };
+    let loaded = if args.load { Some(load()?) } else { None };
+    let devices = Devices { devices, missing, nvcc: cuda::toolkit().map(|t| t.version), loaded };
     if args.json {
         output::print_json(&devices)?;
         return Ok(ExitCode::SUCCESS);
@@ -63,7 +70,23 @@ pub fn run(args: Args) -> Result<ExitCode> {
             output::print(&format!("{:<9}not available: {reason}", m.backend))?;
         }
     }
+    if let Some(count) = devices.loaded {
+        output::print(&format!("{count} kernels load"))?;
+    }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Looks up all kernels on all devices; the emulated ones have the same names.
+fn load() -> Result<usize> {
+    let names = emulated::kernels();
+    if names.is_empty() {
+        bail!("the names of the kernels are not known here: {}", backend::emulated_missing().join("; "));
+    }
+    for device in cuda::devices()? {
+        let kernels = cuda::Kernels::load(device.ordinal)?;
+        names.iter().try_for_each(|name| kernels.get(name).map(|_| ()))?;
+    }
+    Ok(names.len())
 }
 
 fn line(device: &Device) -> String {

@@ -104,6 +104,7 @@ impl<'a> Subject<'a> {
             outcome,
             backend: used.backend.into(),
             raster: used.raster.into(),
+            frame: used.frame,
             machine: self.machine.clone(),
         }
     }

@@ -1,7 +1,7 @@
 //! What a frame really used, for every output that states a measurement.
 
 pub use crate::report::cpu_name;
-use crate::stages::{Bound, Engine, Fill, Grid, Options};
+use crate::stages::{Bound, Engine, Fill, FrameShape, Grid, Options};
 use fearless_simd::Level;
 use serde::Serialize;
 
@@ -14,6 +14,9 @@ pub struct Used {
     pub bound: Bound,
     pub fill: Fill,
     pub grid: Grid,
+    /// On a device.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frame: Option<FrameShape>,
     pub device: String,
     pub threads: usize,
 }
@@ -27,6 +30,7 @@ impl Used {
             bound: options.bound,
             fill: options.fill,
             grid: options.grid,
+            frame: (!matches!(engine, Engine::Cpu)).then_some(options.frame),
             device: engine.gpu().unwrap_or_else(cpu_name),
             threads: rayon::current_num_threads(),
         }

@@ -129,6 +129,9 @@ pub enum GpuError {
 
 /// Memory and launches of one device. Launches follow each other; reading waits for them.
 pub trait Gpu {
+    /// A point in the order of launches.
+    type Mark: std::fmt::Debug;
+
     /// Room for `length` elements, which hold anything.
     fn allocate<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError>;
 
@@ -149,4 +152,10 @@ pub trait Gpu {
 
     /// What was launched has ended.
     fn finish(&mut self) -> Result<(), GpuError>;
+
+    /// The point after everything that has been launched.
+    fn mark(&mut self) -> Result<Self::Mark, GpuError>;
+
+    /// Milliseconds from one point to a later one, by the device's own clock; waits for it.
+    fn between(&mut self, from: &Self::Mark, to: &Self::Mark) -> Result<f64, GpuError>;
 }

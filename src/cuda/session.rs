@@ -11,6 +11,8 @@ const WARPS: usize = THREADS as usize / 32;
 pub(crate) struct Session<'g, G: Gpu> {
     gpu: &'g mut G,
     owned: Vec<Buffer<u8>>,
+    /// Where the frame began and its stages ended.
+    marks: Vec<G::Mark>,
 }
 
 /// What `GEOMETRY` in kernels/topology.cuh names.
@@ -28,7 +30,7 @@ pub(crate) struct Geometry {
 
 impl<'g, G: Gpu> Session<'g, G> {
     pub fn new(gpu: &'g mut G) -> Self {
-        Self { gpu, owned: Vec::new() }
+        Self { gpu, owned: Vec::new(), marks: Vec::new() }
     }
 
     fn own<T: Pod>(&mut self, buffer: Buffer<T>) -> Buffer<T> {
@@ -108,9 +110,21 @@ impl<'g, G: Gpu> Session<'g, G> {
         self.owned.iter().map(|b| b.len() as u64).sum()
     }
 
-    /// What was launched has ended.
+    /// From here the first stage is timed.
+    pub fn begin(&mut self) -> Result<(), GpuError> {
+        self.marks = vec![self.gpu.mark()?];
+        Ok(())
+    }
+
+    /// A stage ends: what was launched has ended.
     pub fn finish(&mut self) -> Result<(), GpuError> {
+        self.marks.push(self.gpu.mark()?);
         self.gpu.finish()
+    }
+
+    /// Milliseconds of each stage since [`Session::begin`], by the device's own clock.
+    pub fn times(&mut self) -> Result<Vec<f64>, GpuError> {
+        self.marks.windows(2).map(|pair| self.gpu.between(&pair[0], &pair[1])).collect()
     }
 
     /// Frees everything; a failed frame's memory too.

@@ -2,7 +2,7 @@
 
 use super::gpu::bytes_of;
 use super::{Argument, Buffer, CudaError, Gpu, GpuError, Kernels, Pod, Pointer, Shape, devices};
-use cudarc::driver::{CudaFunction, CudaSlice, CudaStream, DevicePtr, result};
+use cudarc::driver::{CudaEvent, CudaFunction, CudaSlice, CudaStream, DevicePtr, result, sys};
 use foldhash::{HashMap, HashMapExt};
 use std::ffi::c_void;
 use std::sync::Arc;
@@ -72,6 +72,8 @@ fn room<T>(length: usize) -> usize {
 }
 
 impl Gpu for Stream {
+    type Mark = CudaEvent;
+
     fn allocate<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
         // SAFETY: the bytes hold anything, as callers are told; kernels write them before anyone reads them.
         let slice = unsafe { self.stream.alloc::<u8>(room::<T>(length)) };
@@ -141,5 +143,16 @@ impl Gpu for Stream {
 
     fn finish(&mut self) -> Result<(), GpuError> {
         Ok(self.stream.synchronize().map_err(CudaError::of_driver("waiting for the GPU"))?)
+    }
+
+    fn mark(&mut self) -> Result<CudaEvent, GpuError> {
+        // Events that cudarc makes by default tell no time.
+        let event = self.stream.record_event(Some(sys::CUevent_flags::CU_EVENT_DEFAULT));
+        Ok(event.map_err(CudaError::of_driver("recording a CUDA event"))?)
+    }
+
+    fn between(&mut self, from: &CudaEvent, to: &CudaEvent) -> Result<f64, GpuError> {
+        let ms = from.elapsed_ms(to).map_err(CudaError::of_driver("timing by CUDA events"))?;
+        Ok(ms.into())
     }
 }

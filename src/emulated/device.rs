@@ -4,6 +4,7 @@ use super::{LaunchError, ffi};
 use crate::cuda::{Argument, Buffer, Gpu, GpuError, Pod, Shape};
 use std::fmt;
 use std::thread;
+use std::time::Instant;
 
 /// Memory and launches, as of a GPU. Devices share nothing: tests with one each can run side by side.
 pub struct Device {
@@ -73,6 +74,9 @@ impl Device {
 }
 
 impl Gpu for Device {
+    /// Launches run to their end at once.
+    type Mark = Instant;
+
     fn allocate<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
         Ok(Device::allocate(self, length))
     }
@@ -99,5 +103,13 @@ impl Gpu for Device {
 
     fn finish(&mut self) -> Result<(), GpuError> {
         Ok(())
+    }
+
+    fn mark(&mut self) -> Result<Instant, GpuError> {
+        Ok(Instant::now())
+    }
+
+    fn between(&mut self, from: &Instant, to: &Instant) -> Result<f64, GpuError> {
+        Ok((*to - *from).as_secs_f64() * 1e3)
     }
 }

@@ -1,6 +1,6 @@
 //! Several models as one.
 
-use super::{Model, Warning};
+use super::{Instance, Model, Warning};
 use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -59,6 +59,18 @@ impl Model {
         all.unit = unit.take();
         all
     }
+}
+
+/// So many copies of a model side by side, in a square of rows from left to right; they share its parts.
+pub fn repeated(instances: &[Instance], [low, high]: [DVec3; 2], copies: usize) -> Vec<Instance> {
+    let side = (copies as f64).sqrt().ceil().max(1.0) as usize;
+    let cell = (high - low) + SPACING * (high - low).max_element();
+    let place = |copy: usize| DVec3::new((copy % side) as f64 * cell.x, -((copy / side) as f64) * cell.y, 0.0);
+    let moved = |copy: usize| {
+        let place = DAffine3::from_translation(place(copy));
+        instances.iter().map(move |instance| Instance { transform: place * instance.transform, ..instance.clone() })
+    };
+    (0..copies).flat_map(moved).collect()
 }
 
 /// How far each model moves: rows from left to right, the first at the back, all standing on z = 0. A row is as long as

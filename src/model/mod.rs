@@ -6,7 +6,7 @@ mod measure;
 mod select;
 
 pub use figures::{FaceFigures, Figures};
-pub use library::Layout;
+pub use library::{Layout, repeated};
 pub use measure::Areas;
 pub use select::PartError;
 

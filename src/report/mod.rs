@@ -38,6 +38,7 @@ pub(crate) mod testing {
             })),
             backend: "cpu".into(),
             raster: "software".into(),
+            frame: None,
             machine: Machine {
                 device: "a processor".into(),
                 threads: 2,

@@ -1,6 +1,6 @@
 //! One measured run: what was asked for, on what machine, how long it took and how far off it was.
 
-use crate::stages::{Bound, Fill, Grid, Options, Stats, Trim};
+use crate::stages::{Bound, Fill, FrameShape, Grid, Options, Stats, Trim};
 use crate::verify::{ErrorStats, Report};
 use serde::{Deserialize, Serialize};
 
@@ -14,6 +14,9 @@ pub struct Row {
     /// What really drew, as every output names it: `cpu`, `software`.
     pub backend: String,
     pub raster: String,
+    /// On a device.
+    #[serde(default)]
+    pub frame: Option<FrameShape>,
     pub machine: super::Machine,
 }
 

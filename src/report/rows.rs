@@ -132,6 +132,7 @@ fn setting_columns(c: &mut Vec<Column>) {
     add(c, "depth_tolerance", |r| r.setting.depth_tolerance.into());
     add(c, "backend", |r| r.backend.as_str().into());
     add(c, "raster", |r| r.raster.as_str().into());
+    add(c, "frame", |r| r.frame.map(name).into());
     add(c, "device", |r| r.machine.device.as_str().into());
     add(c, "threads", |r| r.machine.threads.into());
     add(c, "commit", |r| r.machine.commit.as_str().into());

@@ -79,6 +79,7 @@ impl Renderer<'_> {
         options: &Options,
     ) -> Result<Frame, RenderError> {
         let mut clock = Clock::new();
+        session.begin()?;
         let geometry = self.geometry_on(session, scene, camera, options, &mut |stage| clock.stage(stage))?;
         let GeometryCounts { patches_visible, quads, meshlets_outside, meshlets_inside, meshlets_boundary } =
             geometry.counts();
@@ -99,7 +100,7 @@ impl Renderer<'_> {
         let filled = drawn.filled.iter().map(|&pixel| Filled { pixel, near: 0, start: None }).collect::<Vec<_>>();
         let counts = TrimCounts { meshlets_outside, meshlets_inside, meshlets_boundary, ..TrimCounts::default() };
         let stats = Stats {
-            stages: clock.stages(),
+            stages: clock.stages_by(&session.times()?),
             patches: self.scene.instances.iter().map(|i| i.patches.len() as u64).sum(),
             patches_visible,
             leaves: leaves.patches.len() as u64,

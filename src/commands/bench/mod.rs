@@ -1,9 +1,16 @@
 //! `halfpixel bench`: the suites behind every committed figure; bench/README.md holds what they found.
 
+mod backends;
 mod contract;
+mod evaluate;
+mod fit;
 mod floor;
+mod frame;
+mod kernels;
+mod precision;
 mod quads;
 mod reading;
+mod sheet;
 mod speed;
 mod stability;
 
@@ -27,10 +34,18 @@ pub struct Args {
 
 #[derive(Clone, Debug, clap::Subcommand)]
 pub enum Suite {
+    /// Frames of a backend against the CPU's, pixel by pixel
+    Backends(backends::Args),
     /// Every view before the oracle: is the accuracy contract kept?
     ///
     /// By default 7 views x zooms 1, 8, 64 x both projections x all bounds.
     Contract(contract::Args),
+    /// The kernels that evaluate patches, each one's time beside its error: ETER's table 1
+    Evaluate(evaluate::Args),
+    /// Whole frames of a model and of many copies of it, with ETER's configuration beside: its tables 4 and 6
+    Frame(frame::Args),
+    /// Error against time of every arithmetic over the hard cases
+    Precision(precision::Args),
     /// Quads and triangles of every bound against ETER's
     Quads(SuiteArgs),
     /// How fast files are read: their text, their models, their scenes
@@ -45,10 +60,12 @@ impl Suite {
     /// What its frames are to be, where the command line says so.
     pub(super) fn frame(&self) -> Option<&FrameArgs> {
         match self {
+            Suite::Backends(args) => Some(&args.frame),
             Suite::Contract(args) => Some(&args.suite.frame),
+            Suite::Frame(args) => Some(&args.frame),
             Suite::Quads(args) => Some(&args.frame),
             Suite::Speed(args) => Some(&args.frame),
-            Suite::Reading(_) | Suite::Stability(_) => None,
+            Suite::Evaluate(_) | Suite::Precision(_) | Suite::Reading(_) | Suite::Stability(_) => None,
         }
     }
 }
@@ -87,7 +104,11 @@ struct Findings {
 
 pub fn run(args: Args) -> Result<ExitCode> {
     match args.suite {
+        Suite::Backends(args) => backends::run(&args)?,
         Suite::Contract(args) => contract::run(&args)?,
+        Suite::Evaluate(args) => evaluate::run(&args)?,
+        Suite::Frame(args) => frame::run(&args)?,
+        Suite::Precision(args) => precision::run(&args)?,
         Suite::Quads(args) => quads::run(&args)?,
         Suite::Reading(args) => reading::run(&args)?,
         Suite::Speed(args) => speed::run(&args)?,

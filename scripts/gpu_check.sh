@@ -1,0 +1,143 @@
+#!/usr/bin/env bash
+# Everything that a GPU is needed for, in one run of at most nine minutes, from what scripts/gpu_bundle.sh gathered: do all
+# kernels load, do frames agree with the CPU's, does compute-sanitizer find anything, and how fast is it. A step that fails or
+# takes too long is reported, and the next one runs. Writes OUT/report.md, OUT/steps.csv and OUT/results.tar.gz.
+#
+#   scripts/gpu_check.sh [--backend cuda|emulated]     emulated: as far as it goes without a GPU, and smaller
+#
+# OUT: where results go [default: target/gpu/results]. HALFPIXEL_SECONDS: for everything [default: 540].
+set -uo pipefail
+cd "$(dirname "$0")/.."
+
+backend=cuda
+case "${1:-}" in
+--backend) backend=${2:?usage: scripts/gpu_check.sh [--backend cuda|emulated]} ;;
+"") ;;
+*) echo "usage: scripts/gpu_check.sh [--backend cuda|emulated]" >&2 && exit 2 ;;
+esac
+bundle=$PWD/target/gpu
+out=${OUT:-$bundle/results}
+seconds=${HALFPIXEL_SECONDS:-540}
+[ -f "$bundle/models.tar.xz" ] || { echo "target/gpu holds no bundle: run scripts/gpu_bundle.sh" >&2; exit 2; }
+mkdir -p "$out"
+out=$(cd "$out" && pwd)
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+mkdir "$work/models" "$work/library" "$work/found"
+export HALFPIXEL_COMMIT
+HALFPIXEL_COMMIT=$(cat "$bundle/commit")
+xz -dc "$bundle/halfpixel.xz" >"$work/halfpixel" && chmod +x "$work/halfpixel"
+xz -dc "$bundle/models.tar.xz" | tar -xf - -C "$work/models"
+# The library takes a while, and is needed late.
+unpacked=
+if [ -f "$bundle/library.tar.xz" ]; then
+    (xz -dc "$bundle/library.tar.xz" | tar -xf - -C "$work/library") &
+    unpacked=$!
+fi
+cd "$work" || exit 1
+program=$work/halfpixel
+found=$work/found
+echo "step,status,seconds,limit" >"$out/steps.csv"
+
+# step NAME LIMIT COMMAND...: within LIMIT seconds, and within what is left of all.
+step() {
+    local name=$1 limit=$2 begin=$SECONDS left=$((seconds - SECONDS)) status
+    shift 2
+    [ "$limit" -le "$left" ] || limit=$left
+    if [ "$limit" -lt 5 ]; then
+        echo "$name,no time left,0,0" | tee -a "$out/steps.csv"
+        return
+    fi
+    timeout -k 5 "$limit" "$@" >"$found/$name.log" 2>&1
+    status=$?
+    case $status in
+    0) status=done ;;
+    124 | 137) status="timed out" ;;
+    *) status="failed with $status" ;;
+    esac
+    echo "$name,$status,$((SECONDS - begin)),$limit" | tee -a "$out/steps.csv"
+}
+
+bench() {
+    local name=$1 limit=$2
+    shift 2
+    step "$name" "$limit" "$program" bench "$@" --backend "$backend" -o "$found/$name"
+}
+
+facts() {
+    uname -a
+    grep -m1 "model name" /proc/cpuinfo
+    nproc
+    if [ "$backend" = cuda ]; then
+        nvidia-smi
+        nvidia-smi --query-gpu=name,driver_version,clocks.sm,clocks.mem,clocks.max.sm,power.limit,ecc.mode.current --format=csv
+        nvcc --version
+    fi
+    "$program" devices --json
+}
+export -f facts
+export backend program
+
+# A frame with trims, strokes and refinement, under a tool of compute-sanitizer.
+sanitize() {
+    local tool=$1 compute
+    compute=$(command -v compute-sanitizer || ls /usr/local/cuda*/bin/compute-sanitizer 2>/dev/null | head -1)
+    step "$tool" 50 "${compute:-compute-sanitizer}" --tool "$tool" --error-exitcode 9 --print-limit 20 \
+        "$program" render builtin:trimmed:drilled --backend cuda --size 96x64 -o "$work/$tool.png"
+}
+
+step facts 20 bash -c facts
+if [ "$backend" = cuda ]; then
+    step load 60 "$program" devices --load
+    bench backends 90 backends models/* --size 640x360
+    step verify 30 "$program" verify models/teapot.bpt --backend cuda --size 640x360 --samples 2000 --json
+    bench evaluate 60 evaluate
+    bench frame 60 frame models/killeroo.bpt --samples 300 --size 1920x1080
+    sanitize memcheck
+    sanitize racecheck
+    bench frame-720p 40 frame models/killeroo.bpt --samples 0 --size 1280x720
+    bench precision 60 precision
+    bench frame-trimmed 40 frame models/NIST_MBE_PMI_2.stp --samples 300 --size 1920x1080
+    library=(--samples 100 --size 1920x1080 --layout grid)
+    limits=(60 90)
+else
+    bench backends 120 backends models/teapot.bpt models/screw.step --size 96x64
+    step verify 60 "$program" verify models/teapot.bpt --backend emulated --size 96x64 --samples 200 --json
+    bench evaluate 120 evaluate --patches 4
+    bench precision 120 precision --patches 2
+    bench frame 120 frame models/teapot.bpt --patches 128 --frames 1 --samples 50 --size 96x64
+    library=(--frames 1 --samples 0 --size 96x64 --layout grid)
+    limits=(120 0)
+fi
+if [ -n "$unpacked" ] && wait "$unpacked"; then
+    find library -type f | sort >files.txt
+    # The emulator takes the smallest few.
+    [ "$backend" = cuda ] || { find library -type f -printf '%s %p\n' | sort -n | head -3 | cut -d' ' -f2- >files.txt; }
+    bench library "${limits[0]}" frame @files.txt --patches 1 "${library[@]}"
+    [ "${limits[1]}" -eq 0 ] || bench library-copies "${limits[1]}" frame @files.txt --frames 3 "${library[@]}"
+else
+    echo "library,not in the bundle,0,0" | tee -a "$out/steps.csv"
+fi
+
+{
+    echo "# What a run with --backend $backend found"
+    echo
+    echo "Commit $HALFPIXEL_COMMIT, $(date -u +%F), $SECONDS seconds."
+    echo
+    echo "| step | status | seconds | limit |"
+    echo "| --- | --- | ---: | ---: |"
+    tail -n +2 "$out/steps.csv" | sed 's/,/ | /g; s/^/| /; s/$/ |/'
+    for log in facts load verify memcheck racecheck; do
+        [ -f "$found/$log.log" ] && printf '\n## %s\n\n```\n%s\n```\n' "$log" "$(head -c 6000 "$found/$log.log")"
+    done
+    for table in "$found"/*.md; do
+        [ -f "$table" ] && printf '\n' && sed 's/^#/##/' "$table"
+    done
+    # What went wrong, in its own words.
+    grep -v ",done," "$out/steps.csv" | tail -n +2 | cut -d, -f1 | while read -r name; do
+        [ -f "$found/$name.log" ] && printf '\n## %s, its last words\n\n```\n%s\n```\n' "$name" "$(tail -c 2000 "$found/$name.log")"
+    done
+} >"$out/report.md"
+tar -czf "$out/results.tar.gz" -C "$found" .
+echo "$out/report.md"
+! grep -qv -e ",done," -e "^step," "$out/steps.csv"

@@ -1,0 +1,166 @@
+//! Frames of a backend against the CPU's, pixel by pixel: what differs, and by how much.
+
+use super::ResultArgs;
+use super::sheet::{STAMP, Sheet, stamp};
+use crate::commands::UsageError;
+use crate::commands::args::FrameArgs;
+use crate::commands::used::Used;
+use crate::report::{Cell, Machine, Table, name};
+use crate::stages::{Bound, Engine, Fill, Frame, FrameShape, Grid, Options, RenderError, Renderer};
+use anyhow::Result;
+
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    pub frame: FrameArgs,
+    #[command(flatten)]
+    pub results: ResultArgs,
+}
+
+/// Pixels of two frames that are not the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Difference {
+    pixels: u64,
+    drawn: u64,
+    /// Visibility words: what most of the frame is made of.
+    words: u64,
+    /// Pixels that show another patch, or only one of which is background.
+    patches: u64,
+    /// Largest difference of stored depth where both show the same patch.
+    depth: f64,
+    /// Of those: other stored parameters, by how much at most.
+    parameters: u64,
+    parameter: f64,
+    colors: u64,
+    /// Largest difference of linear RGB.
+    color: f64,
+}
+
+/// One model in one configuration.
+struct Finding {
+    model: String,
+    options: Options,
+    outcome: Result<Difference, RenderError>,
+}
+
+pub fn run(args: &Args) -> Result<()> {
+    let engine = args.frame.backend.engine()?;
+    if matches!(engine, Engine::Cpu) {
+        return Err(UsageError(
+            "frames of the CPU are what others are compared with: give --backend cuda or emulated".into(),
+        )
+        .into());
+    }
+    let used = Used::new(&args.frame.options(), &engine);
+    drop(engine);
+    let mut found = Vec::new();
+    args.frame.model.install(|| {
+        for model in args.frame.model.each() {
+            let (loaded, scene) = model.load_scene()?;
+            let camera = args.frame.camera(&scene)?;
+            let mut renderer = Renderer::with(&scene, args.frame.backend.engine()?);
+            for options in configurations(&args.frame.options()) {
+                let pair = Renderer::new(&scene).render(&camera, &options);
+                let pair = pair.and_then(|expected| Ok((expected, renderer.render(&camera, &options)?)));
+                let outcome = pair.map(|(expected, found)| Difference::of(&expected, &found));
+                found.push(Finding { model: loaded.name.clone(), options, outcome });
+            }
+        }
+        Ok(())
+    })?;
+    let machine = Machine { device: used.device, ..Machine::here(used.threads) };
+    let different: u64 = found.iter().filter_map(|f| f.outcome.as_ref().ok()).map(|d| d.words + d.colors).sum();
+    let verdict = if different == 0 { "All words and colours are the same." } else { "THERE ARE DIFFERENCES." };
+    let [width, height] = args.frame.size;
+    let sheet = Sheet {
+        suite: "backends",
+        title: "Frames against the CPU's",
+        about: format!(
+            "{width}x{height}. Words are visibility words (depth, meshlet, index); depth, parameters are compared where both \
+             frames show the same patch. {verdict}"
+        ),
+        tables: vec![("Differences".into(), table(&found, &[]))],
+        rows: table(&found, &stamp(used.backend, &machine)),
+        backend: used.backend,
+        machine,
+    };
+    sheet.publish(&args.results)
+}
+
+/// What was asked for, the same staged, and what ETER draws.
+fn configurations(ours: &Options) -> [Options; 3] {
+    let staged = Options { frame: FrameShape::Staged, ..*ours };
+    [*ours, staged, Options { bound: Bound::Eter, grid: Grid::Eter, fill: Fill::Eter, ..staged }]
+}
+
+impl Difference {
+    fn of(expected: &Frame, found: &Frame) -> Self {
+        let [width, height] = expected.size();
+        let mut all = Self { pixels: u64::from(width) * u64::from(height), ..Self::default() };
+        for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            all.words += u64::from(expected.word(x, y) != found.word(x, y));
+            let (a, b) = (expected.pixel(x, y), found.pixel(x, y));
+            all.drawn += u64::from(a.is_some());
+            match (a, b) {
+                (Some(a), Some(b)) if (a.instance, a.patch) == (b.instance, b.patch) => {
+                    all.depth = all.depth.max(f64::from((a.depth - b.depth).abs()));
+                    let off = (a.stored[0] - b.stored[0]).abs().max((a.stored[1] - b.stored[1]).abs());
+                    all.parameters += u64::from(off != 0.0);
+                    all.parameter = all.parameter.max(off);
+                }
+                (a, b) => all.patches += u64::from(a.is_some() || b.is_some()),
+            }
+            let colors = expected.color(x, y).into_iter().zip(found.color(x, y));
+            let off = colors.map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max);
+            all.colors += u64::from(off != 0.0);
+            all.color = all.color.max(off);
+        }
+        all
+    }
+}
+
+fn table(found: &[Finding], stamped: &[Cell]) -> Table {
+    let headings = [
+        "model",
+        "bound",
+        "grid",
+        "fill",
+        "frame",
+        "pixels",
+        "drawn",
+        "words",
+        "patches",
+        "depth",
+        "parameters",
+        "largest parameter",
+        "colours",
+        "largest colour",
+        "note",
+    ];
+    let stamp = if stamped.is_empty() { &[][..] } else { &STAMP };
+    let mut table = Table::new(&[&headings[..], stamp].concat());
+    for Finding { model, options, outcome } in found {
+        let difference = outcome.as_ref().ok();
+        let count = |get: fn(&Difference) -> u64| Cell::from(difference.map(get));
+        let number = |get: fn(&Difference) -> f64| Cell::from(difference.map(get));
+        let cells = [
+            model.as_str().into(),
+            name(options.bound).into(),
+            name(options.grid).into(),
+            name(options.fill).into(),
+            name(options.frame).into(),
+            count(|d| d.pixels),
+            count(|d| d.drawn),
+            count(|d| d.words),
+            count(|d| d.patches),
+            number(|d| d.depth),
+            count(|d| d.parameters),
+            number(|d| d.parameter),
+            count(|d| d.colors),
+            number(|d| d.color),
+            outcome.as_ref().err().map_or(String::new(), |refused| format!("refused: {refused}")).into(),
+        ];
+        table.push(cells.into_iter().chain(stamped.iter().cloned()).collect());
+    }
+    table
+}
