@@ -120,16 +120,16 @@ impl Found {
     fn findings(self, args: &Args, target: u64) -> Findings {
         let all = || self.rows.iter().chain(&self.fitted);
         let options = args.frame.options();
-        let fits: Vec<(String, Option<Fit>)> = configurations(args, 2)
-            .iter()
-            .map(|o| {
-                // Frames without trims cost less a triangle.
-                let same =
-                    |r: &&Row| r.setting.bound == o.bound && r.setting.grid == o.grid && r.setting.trim == o.trim;
-                let frames: Vec<_> = all().filter(same).filter_map(Row::measured).map(fit::sample).collect();
-                (configuration(o.bound, o.grid, o.trim), Fit::of(&frames))
-            })
-            .collect();
+        // Frames without trims cost less a triangle.
+        let mut labels: Vec<String> = self.rows.iter().filter(|r| r.setting.trim == options.trim).map(label).collect();
+        labels.sort();
+        labels.dedup();
+        let fit = |wanted: String| {
+            let same = all().filter(|row| label(row) == wanted);
+            let frames: Vec<_> = same.filter_map(Row::measured).map(fit::sample).collect();
+            (wanted, Fit::of(&frames))
+        };
+        let fits: Vec<(String, Option<Fit>)> = labels.into_iter().map(fit).collect();
         let (breakdown, against) = (breakdown(&self.rows), against(&self.rows, &options));
         let [width, height] = args.frame.size;
         Findings {

@@ -198,7 +198,7 @@ mod tests {
     fn patches_far_off_are_the_same_once_centred() {
         let far = Kind { offset: 1e6, ..Kind::default() };
         let (near, far) = (Nets::new(Kind::default(), 1), Nets::new(far, 1));
-        let off = near.points(0).iter().zip(far.points(0)).map(|(a, b)| (a[0] - b[0]).abs() / near.magnified);
+        let off = near.points(0).into_iter().zip(far.points(0)).map(|(a, b)| (a[0] - b[0]).abs() / near.magnified);
         assert!(off.fold(0.0, f64::max) < 1e-6);
     }
 }
