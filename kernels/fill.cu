@@ -86,8 +86,9 @@ struct Rule {
 } // namespace fill
 
 // Counts the pixels that the spare buffer takes and, where there is room for them, lists them in any order.
-extern "C" __global__ void __launch_bounds__(THREADS) fill_list(GEOMETRY, Buffer<const Word> near,
-                                     Buffer<const Word> spare, uint32_t room, Buffer<Filled> filled, Buffer<uint32_t> count) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+    fill_list(GEOMETRY, Buffer<const Word> near, Buffer<const Word> spare, uint32_t room, Buffer<Filled> filled,
+              Buffer<uint32_t> count) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t pixel = blockIdx.x * blockDim.x + threadIdx.x;
     if (pixel >= view.size[0] * view.size[1] || spare[pixel] == 0) {
@@ -108,7 +109,8 @@ extern "C" __global__ void __launch_bounds__(THREADS) fill_list(GEOMETRY, Buffer
 KERNEL(fill_list)
 
 // They show what the spare buffer has, once all are decided.
-extern "C" __global__ void __launch_bounds__(THREADS) fill_take(Buffer<Word> near, Buffer<const Word> spare, Buffer<const Filled> filled, uint32_t count) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+    fill_take(Buffer<Word> near, Buffer<const Word> spare, Buffer<const Filled> filled, uint32_t count) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k < count) {
         const uint32_t pixel = filled[k].pixel;

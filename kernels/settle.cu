@@ -101,7 +101,8 @@ static __device__ __forceinline__ bool belongs(const trims::Trims &trims, const 
 } // namespace settle
 
 // What the list of filled pixels asks for: a surface that is clearly nearer than N's own.
-extern "C" __global__ void __launch_bounds__(THREADS) settle_ask(const __grid_constant__ View view, Buffer<Filled> pixels, uint32_t count) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+    settle_ask(const __grid_constant__ View view, Buffer<Filled> pixels, uint32_t count) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k < count) {
         pixels[k].behind = shading::nearer_by_tolerance(view, topology::depth_of(pixels[k].near), 1.0);
@@ -111,8 +112,8 @@ extern "C" __global__ void __launch_bounds__(THREADS) settle_ask(const __grid_co
 KERNEL(settle_ask)
 
 // The starts of each pixel's candidates, in the same order whatever order these were found in: four places a candidate.
-extern "C" __global__ void __launch_bounds__(THREADS) settle_starts(GEOMETRY, Buffer<const Filled> pixels,
-                                         uint32_t count, Buffer<Word> candidates, Buffer<Start> starts) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+    settle_starts(GEOMETRY, Buffer<const Filled> pixels, uint32_t count, Buffer<Word> candidates, Buffer<Start> starts) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t slot = blockIdx.x * blockDim.x + threadIdx.x;
     if (slot >= count) {
@@ -141,9 +142,9 @@ KERNEL(settle_starts)
 
 // Refines every start; the nearest surface exactly under its pixel's centre wins, among equals the larger word.
 // `reaching`: faces reach over the model's gaps; else only what lies under the centre itself counts.
-extern "C" __global__ void __launch_bounds__(THREADS) settle_search(GEOMETRY, Buffer<Filled> pixels,
-                                         Buffer<Start> starts, uint32_t count, uint32_t reaching,
-                                         const __grid_constant__ trims::Trims trims) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+    settle_search(GEOMETRY, Buffer<Filled> pixels, Buffer<Start> starts, uint32_t count, uint32_t reaching,
+                  const __grid_constant__ trims::Trims trims) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k >= count || starts[k].patch == NO_PATCH) {
@@ -172,7 +173,8 @@ extern "C" __global__ void __launch_bounds__(THREADS) settle_search(GEOMETRY, Bu
 KERNEL(settle_search)
 
 // The first of the starts that found what won.
-extern "C" __global__ void __launch_bounds__(THREADS) settle_winner(Buffer<Filled> pixels, Buffer<const Start> starts, uint32_t count) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+    settle_winner(Buffer<Filled> pixels, Buffer<const Start> starts, uint32_t count) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k >= count || starts[k].patch == NO_PATCH || starts[k].depth == 0.0f) {
         return;
@@ -186,8 +188,9 @@ KERNEL(settle_winner)
 
 // Pixels go to what was found; the others get back what they had, and lose their mark. `start` is that of what was found
 // from now on.
-extern "C" __global__ void __launch_bounds__(THREADS) settle_apply(Buffer<Filled> pixels, Buffer<const Start> starts, uint32_t count,
-                                        Buffer<Word> near, Buffer<uint32_t> slots) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+    settle_apply(Buffer<Filled> pixels, Buffer<const Start> starts, uint32_t count, Buffer<Word> near,
+                 Buffer<uint32_t> slots) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k >= count) {
         return;
@@ -196,7 +199,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) settle_apply(Buffer<Filled
     near[f.pixel] = f.best != 0 ? f.best : f.near;
     pixels[k].has_start = f.best != 0;
     if (f.best == 0) {
-        slots[f.pixel] = 0xffffffffu;
+        slots[f.pixel] = shading::NO_SLOT;
     } else {
         pixels[k].start[0] = starts[f.winner].parameters[0];
         pixels[k].start[1] = starts[f.winner].parameters[1];

@@ -10,7 +10,6 @@
 namespace settle_near {
 
 constexpr int WARPS = THREADS / 32;
-constexpr uint32_t NO_SLOT = 0xffffffffu;
 // Pixels along one side of a tile; tiles without a pixel in question are passed over.
 constexpr int TILE_BITS = 3;
 // What rounding may take of a stored depth, as a share of it.
@@ -107,9 +106,10 @@ static __device__ __forceinline__ void triangle(const outlines::Drawn &d, const 
             for (int y = y0; y <= y1; y++) {
                 for (int x = x0; x <= x1; x++) {
                     const uint32_t slot = wanted.slots[y * d.view.size[0] + x];
-                    if (slot != NO_SLOT && within(t, reach, x, y) &&
-                        plane.nearest(x, y) > shading::farther(d.view, wanted.pixels[slot].behind, d.leaf.deviation[1])) {
-                        propose(wanted, slot, key);
+                    if (slot != shading::NO_SLOT && within(t, reach, x, y) &&
+                        plane.nearest(x, y) >
+                            shading::farther(d.view, wanted.pixels[slot - 1].behind, d.leaf.deviation[1])) {
+                        propose(wanted, slot - 1, key);
                     }
                 }
             }
@@ -120,12 +120,13 @@ static __device__ __forceinline__ void triangle(const outlines::Drawn &d, const 
 } // namespace settle_near
 
 // Marks the pixels of the list in the image and in its tiles.
-extern "C" __global__ void __launch_bounds__(THREADS) settle_mark(const __grid_constant__ View view, Buffer<const Filled> pixels, uint32_t count,
-                                       Buffer<uint32_t> slots, Buffer<uint32_t> tiles) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+    settle_mark(const __grid_constant__ View view, Buffer<const Filled> pixels, uint32_t count, Buffer<uint32_t> slots,
+                Buffer<uint32_t> tiles) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k < count) {
         const uint32_t pixel = pixels[k].pixel, x = pixel % view.size[0], y = pixel / view.size[0];
-        slots[pixel] = k;
+        slots[pixel] = k + 1;
         const uint32_t tile =
             (y >> settle_near::TILE_BITS) * settle_near::tiles_across(view) + (x >> settle_near::TILE_BITS);
         atomicOr(&tiles[tile], 1u);
@@ -134,9 +135,9 @@ extern "C" __global__ void __launch_bounds__(THREADS) settle_mark(const __grid_c
 KERNEL(settle_mark)
 
 // One warp a meshlet; a grid of ceil(count / 4) blocks. `candidates` null: only counts.
-extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(settle_near::WARPS * 32)
-    settle_find(GEOMETRY, uint32_t count, Buffer<const uint32_t> slots,
-                Buffer<const uint32_t> tiles, Buffer<Filled> pixels, Buffer<Word> candidates, Buffer<uint32_t> cursors) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+    settle_find(GEOMETRY, uint32_t count, Buffer<const uint32_t> slots, Buffer<const uint32_t> tiles,
+                Buffer<Filled> pixels, Buffer<Word> candidates, Buffer<uint32_t> cursors) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * settle_near::WARPS + threadIdx.x / 32;
     if (number >= count) {
@@ -166,7 +167,8 @@ extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(settle_n
 KERNEL(settle_find)
 
 // Gives each pixel its part of the list of candidates; `total`: how many there are.
-extern "C" __global__ void __launch_bounds__(THREADS) settle_allocate(Buffer<Filled> pixels, uint32_t count, Buffer<Word> total) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+    settle_allocate(Buffer<Filled> pixels, uint32_t count, Buffer<Word> total) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k < count) {
         // Of no use where the total does not fit 32 bits; the host looks at that first.

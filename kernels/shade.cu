@@ -5,8 +5,6 @@
 
 namespace shade {
 
-constexpr uint32_t NO_SLOT = 0xffffffffu;
-
 struct Surfel {
     refinement::Refined refined;
     uint32_t patch;
@@ -54,12 +52,12 @@ struct Image {
 
 // Every drawn pixel but those that fill took (`taken`: by pixel their number in its list). Pixels in doubt are listed as far
 // as there is room, and counted; room 0: none is in doubt.
-extern "C" __global__ void __launch_bounds__(THREADS) shade_pixels(GEOMETRY, Buffer<const Word> near,
-                                        Buffer<const uint32_t> taken, Buffer<float2> parameters, Buffer<float> colors,
-                                        uint32_t room, Buffer<Filled> doubts, Buffer<uint32_t> count) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+    shade_pixels(GEOMETRY, Buffer<const Word> near, Buffer<const uint32_t> taken, Buffer<float2> parameters,
+                 Buffer<float> colors, uint32_t room, Buffer<Filled> doubts, Buffer<uint32_t> count) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t pixel = blockIdx.x * blockDim.x + threadIdx.x;
-    if (pixel >= view.size[0] * view.size[1] || near[pixel] == 0 || taken[pixel] != shade::NO_SLOT) {
+    if (pixel >= view.size[0] * view.size[1] || near[pixel] == 0 || taken[pixel] != shading::NO_SLOT) {
         return;
     }
     const Word word = near[pixel];
@@ -88,27 +86,27 @@ extern "C" __global__ void __launch_bounds__(THREADS) shade_pixels(GEOMETRY, Buf
 }
 KERNEL(shade_pixels)
 
-// Filled pixels. Where their parameters are known, they stand: their triangles would lead astray near a silhouette.
-extern "C" __global__ void __launch_bounds__(THREADS) shade_filled(GEOMETRY, Buffer<const Word> near,
-                                        Buffer<const Filled> filled, uint32_t count, uint32_t only_known,
-                                        Buffer<float2> parameters, Buffer<float> colors) {
+// Pixels that settle found a surface for, from its parameters: their triangles would lead astray near a silhouette.
+extern "C" __global__ void __launch_bounds__(THREADS)
+    shade_filled(GEOMETRY, Buffer<const Word> near, Buffer<const Filled> filled, uint32_t count,
+                 Buffer<float2> parameters, Buffer<float> colors) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k >= count) {
         return;
     }
     const Filled f = filled[k];
-    if (near[f.pixel] == 0 || (only_known && !f.has_start)) {
+    if (!f.has_start) {
         return;
     }
-    const shade::Surfel s = shade::at(view, in, near[f.pixel], f.pixel, f.has_start ? f.start : nullptr);
+    const shade::Surfel s = shade::at(view, in, near[f.pixel], f.pixel, f.start);
     shade::Image{parameters, colors}.write(view, in, f.pixel, s);
 }
 KERNEL(shade_filled)
 
 // Other ways to fill: what refinement leaves beyond half a pixel goes back to N. `best` is 1 for pixels that stay.
-extern "C" __global__ void __launch_bounds__(THREADS) shade_refuse(GEOMETRY, Buffer<Word> near,
-                                        Buffer<Filled> filled, uint32_t count) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+    shade_refuse(GEOMETRY, Buffer<Word> near, Buffer<Filled> filled, uint32_t count) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k >= count) {

@@ -6,6 +6,8 @@ namespace shading {
 
 // Pixels between a pixel centre and a projected surface point that count as none.
 constexpr float EXACT = 1.0f / 128.0f;
+// Pixels that are in no list: the others have their place in it, from 1.
+constexpr uint32_t NO_SLOT = 0;
 // What the contract allows a filled pixel.
 constexpr float HALF_PIXEL = 0.5f;
 // Of stored depths, as a share of the camera depth (perspective) or of the depth range.

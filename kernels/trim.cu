@@ -106,7 +106,7 @@ static __device__ __forceinline__ bool keeps_stroke(const outlines::Drawn &d, co
 } // namespace trim
 
 // The tested meshlets; a grid of ceil(count / 4) blocks. `counts`: trim::COUNTS of them.
-extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(trim::WARPS * 32)
+extern "C" __global__ void __launch_bounds__(THREADS)
     trim_meshlets(GEOMETRY, uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
                   uint32_t room, Buffer<Fragment> queue, Buffer<uint32_t> counts) {
     const Geometry in = GEOMETRY_ARGUMENTS;
@@ -132,9 +132,9 @@ extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(trim::WA
 KERNEL(trim_meshlets)
 
 // The listed fragments, on the exact surface.
-extern "C" __global__ void __launch_bounds__(THREADS) trim_fragments(GEOMETRY, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
-                                          Buffer<Word> spare, Buffer<const Fragment> queue, uint32_t count,
-                                          Buffer<uint32_t> counts) {
+extern "C" __global__ void __launch_bounds__(THREADS)
+    trim_fragments(GEOMETRY, const __grid_constant__ trims::Trims trims, Buffer<Word> near, Buffer<Word> spare,
+                   Buffer<const Fragment> queue, uint32_t count, Buffer<uint32_t> counts) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
     if (k >= count) {
@@ -163,7 +163,7 @@ extern "C" __global__ void __launch_bounds__(THREADS) trim_fragments(GEOMETRY, c
 KERNEL(trim_fragments)
 
 // Strokes of the tested meshlets, once the near buffer is done.
-extern "C" __global__ void __launch_bounds__(THREADS) __launch_bounds__(trim::WARPS * 32)
+extern "C" __global__ void __launch_bounds__(THREADS)
     trim_strokes(GEOMETRY, uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<const Word> near,
                  Buffer<Word> spare) {
     const Geometry in = GEOMETRY_ARGUMENTS;

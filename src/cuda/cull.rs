@@ -1,20 +1,14 @@
 //! cull, host side: which patches of which instances can be seen. Twin of src/stages/cull.rs.
 
+use super::gpu::pods;
 use super::scan::scan;
 use super::scene::SceneOnDevice;
 use super::session::Session;
-use super::{Buffer, Gpu, GpuError, Pod, abi};
+use super::{Buffer, Gpu, GpuError, abi};
 use crate::stages::lens::Lens;
 use crate::stages::{Bound, Cull, Grid, Options};
 
-macro_rules! pods {
-    ($($structure:ident)*) => { $(
-        // SAFETY: made by bindgen from what the kernels include, and plain numbers that fill all of it.
-        #[allow(unsafe_code)]
-        unsafe impl Pod for abi::$structure {}
-    )* };
-}
-pods!(Rules Visible);
+pods!(abi::Rules abi::Visible);
 
 /// A scene as one frame sees it.
 pub(crate) struct Seen<'a> {

@@ -1,9 +1,10 @@
 //! estimate, host side: the leaves of all visible patches with their grids. Twin of src/stages/estimate.rs.
 
 use super::cull::Seen;
+use super::gpu::pods;
 use super::scan::scan;
 use super::session::Session;
-use super::{Buffer, Gpu, GpuError, Pod, Pointer, Shape, abi, basis};
+use super::{Buffer, Gpu, GpuError, Pointer, Shape, abi, basis};
 use thiserror::Error;
 
 /// Threads a block of `estimate_patches`: as many columns has its list of constraints.
@@ -19,13 +20,6 @@ const PARTS: usize = 8;
 /// `MAX_PARTS` of kernels/split.cu: no frame has room for the vertices of more.
 const MAX_PARTS: u32 = 1 << 26;
 
-macro_rules! pods {
-    ($($structure:ty)*) => { $(
-        // SAFETY: plain numbers, or pointers, that fill all of it; what bindgen made is what the kernels include.
-        #[allow(unsafe_code)]
-        unsafe impl Pod for $structure {}
-    )* };
-}
 pods!(abi::Counters abi::Half abi::HalvedLeaf abi::PartPlace SplitPointers SplitSizes);
 
 /// Why there is no list of leaves, or of meshlets.

@@ -1,7 +1,7 @@
 //! fill, host side: the pixels that the spare buffer takes. Twin of src/stages/fill.rs.
 
 use super::frame::{Pixels, Stages};
-use super::{Gpu, GpuError};
+use super::{Gpu, GpuError, abi};
 
 impl<G: Gpu> Stages<'_, '_, G> {
     pub(super) fn fill(&mut self) -> Result<Pixels, GpuError> {
@@ -11,8 +11,18 @@ impl<G: Gpu> Stages<'_, '_, G> {
             let (room, list, count) = (list.len() as u32, list.pointer(), count.pointer());
             stages.session.for_each_in(&stages.geometry, "fill_list", pixels, &[&near, &spare, &room, &list, &count])
         })?;
+        // Shading gives each of them its word, or back what it had.
+        if self.is_exact() {
+            return Ok(filled);
+        }
         let (near, spare, list) = (self.near.pointer(), self.spare.pointer(), filled.list.pointer());
         self.session.for_each("fill_take", filled.count as usize, &[&near, &spare, &list, &filled.count])?;
         Ok(filled)
+    }
+
+    /// The exact surface decides what fill proposes.
+    pub(super) fn is_exact(&self) -> bool {
+        let abi::View { refine, fill, .. } = self.geometry.view;
+        refine > 0 && fill == abi::FillRule::FILL_STROKE
     }
 }

@@ -6,8 +6,6 @@ use super::trims::TrimPointers;
 use super::{Buffer, Gpu, GpuError, abi};
 use crate::stages::{FrameShape, TrimCounts};
 
-pub(super) const NO_SLOT: u32 = u32::MAX;
-
 /// What a device made of a frame.
 pub(crate) struct Drawn {
     pub near: Vec<u64>,
@@ -28,12 +26,8 @@ pub(crate) type Ended<'a> = &'a mut dyn FnMut(&'static str);
 
 /// What cull, estimate and the list of meshlets left on the device.
 pub(crate) struct Input {
-    pub view: abi::View,
-    pub patches: Buffer<abi::Patch>,
-    pub leaves: Buffer<abi::Leaf>,
-    pub nets: Buffer<abi::Point>,
-    pub basis: Buffer<f32>,
-    pub meshlets: Buffer<abi::Meshlet>,
+    /// Without vertices.
+    pub geometry: Geometry,
     /// Vertices of all meshlets.
     pub vertices: u64,
     pub shape: FrameShape,
@@ -56,7 +50,7 @@ pub(super) struct Stages<'s, 'g, G: Gpu> {
     pub spare: Buffer<u64>,
     pub parameters: Buffer<[f32; 2]>,
     pub color: Buffer<[f32; 3]>,
-    /// By pixel its number in the list of those that are asked about; `NO_SLOT`: in none.
+    /// By pixel its place in the list of those that are asked about, from 1; 0: in none.
     pub slots: Buffer<u32>,
 }
 
@@ -70,20 +64,21 @@ pub(super) struct Pixels {
 
 impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
     fn new(session: &'s mut Session<'g, G>, input: &Input) -> Result<Self, GpuError> {
-        let Input { view, patches, leaves, nets, basis, meshlets, trims, .. } = *input;
+        let Input { geometry, trims, .. } = *input;
+        let view = geometry.view;
         let pixels = view.size[0] as usize * view.size[1] as usize;
         let vertices = match input.shape {
             FrameShape::Fused => None,
             FrameShape::Staged => Some(session.allocate(input.vertices as usize)?),
         };
         Ok(Self {
-            geometry: Geometry { view, patches, leaves, nets, basis, meshlets, vertices },
+            geometry: Geometry { vertices, ..geometry },
             trims,
             near: session.zeroed(pixels)?,
             spare: session.zeroed(pixels)?,
             parameters: session.allocate(pixels)?,
             color: session.allocate(pixels)?,
-            slots: session.upload(&vec![NO_SLOT; pixels])?,
+            slots: session.zeroed(pixels)?,
             session,
         })
     }

@@ -1,7 +1,7 @@
 //! What a frame needs of a device: memory and launches. A GPU has them, and so has the CPU in its place (`emulated`).
 #![allow(unsafe_code)]
 
-use super::CudaError;
+use super::{CudaError, abi};
 use crate::emulated::LaunchError;
 use std::marker::PhantomData;
 use thiserror::Error;
@@ -12,13 +12,19 @@ use thiserror::Error;
 /// Any bytes must be a valid value, there must be no padding, and the layout must be that of the kernels' type.
 pub unsafe trait Pod: Copy + Send + Sync + 'static {}
 
+/// Says of types that they are plain data: numbers of C's size, what bindgen made of what the kernels include, and structures of
+/// pointers that a kernel has too. None has padding.
 macro_rules! pods {
-    ($($number:ty)*) => { $(
-        // SAFETY: numbers of C's size have no invalid bytes and no padding.
-        unsafe impl Pod for $number {}
+    ($($plain:ty)*) => { $(
+        // SAFETY: as above; any bytes are a value of it.
+        #[allow(unsafe_code)]
+        unsafe impl $crate::cuda::Pod for $plain {}
     )* };
 }
+pub(crate) use pods;
 pods!(u8 i8 u16 i16 u32 i32 u64 i64 f32 f64);
+pods!(abi::View abi::Patch abi::Leaf abi::Meshlet abi::Point abi::Vertex abi::Filled abi::Start abi::Fragment abi::Shown);
+pods!(abi::SurfacePoint abi::SurfaceFrame);
 // SAFETY: an array is its elements, without padding between them.
 unsafe impl<T: Pod, const N: usize> Pod for [T; N] {}
 // SAFETY: it is a u64; kernels check what it points at where anything can.

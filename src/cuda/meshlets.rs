@@ -3,13 +3,12 @@
 use super::cull::Seen;
 use super::estimate::{Leaves, Stopped};
 use super::evaluate::WARPS;
+use super::gpu::pods;
 use super::scan::scan;
 use super::session::Session;
-use super::{Buffer, Gpu, GpuError, Pod, Shape, abi};
+use super::{Buffer, Gpu, GpuError, Shape, abi};
 
-// SAFETY: made by bindgen from what the kernels include, and plain numbers that fill all of it.
-#[allow(unsafe_code)]
-unsafe impl Pod for abi::MeshletCounts {}
+pods!(abi::MeshletCounts);
 
 /// Vertices of all grids together, as src/stages/estimate.rs has it, and meshlets that a visibility word can name.
 const MAX_VERTICES: u64 = 1 << 28;

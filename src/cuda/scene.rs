@@ -1,7 +1,8 @@
 //! A scene in a device's memory, for `kernels/scene.cuh`: uploaded once, drawn from every side.
 
+use super::gpu::pods;
 use super::trims::{TrimPointers, TrimsOnDevice};
-use super::{Buffer, Gpu, GpuError, Pod, Pointer, abi};
+use super::{Buffer, Gpu, GpuError, Pointer, abi};
 use crate::scene::{Patch, Scene, SceneInstance, Sides};
 
 /// What cull and estimate read of a scene.
@@ -36,13 +37,6 @@ pub struct ScenePointers {
     trims: TrimPointers,
 }
 
-macro_rules! pods {
-    ($($structure:ty)*) => { $(
-        // SAFETY: plain numbers, or pointers, that fill all of it; what bindgen made is what the kernels include.
-        #[allow(unsafe_code)]
-        unsafe impl Pod for $structure {}
-    )* };
-}
 pods!(abi::ScenePatch abi::ControlPoint abi::SceneInstance abi::FaceColor ScenePointers);
 
 impl SceneOnDevice {

@@ -1,6 +1,6 @@
 //! shade, host side: the exact surface under every pixel. Twin of src/stages/shade.rs.
 
-use super::frame::{NO_SLOT, Pixels, Stages};
+use super::frame::{Pixels, Stages};
 use super::{Gpu, GpuError, abi};
 
 /// Pixels in doubt that a frame has room for before it has seen how many there are.
@@ -9,8 +9,8 @@ const DOUBTS: usize = 1 << 16;
 impl<G: Gpu> Stages<'_, '_, G> {
     /// Shades everything; returns the pixels that stay filled, ascending.
     pub(super) fn shade(&mut self, filled: Pixels, doubtful: bool) -> Result<Vec<u32>, GpuError> {
-        let abi::View { refine, fill, .. } = self.geometry.view;
-        let exact = refine > 0 && fill == abi::FillRule::FILL_STROKE;
+        let refine = self.geometry.view.refine;
+        let exact = self.is_exact();
         if exact {
             self.session.for_each(
                 "settle_ask",
@@ -30,7 +30,7 @@ impl<G: Gpu> Stages<'_, '_, G> {
         let doubts = self.shade_pixels(if exact && doubtful { DOUBTS } else { 0 })?;
         let mut lists = vec![filled];
         if exact {
-            self.slots = self.session.upload(&vec![NO_SLOT; self.pixels()])?;
+            self.slots = self.session.zeroed(self.pixels())?;
             self.settle(doubts, false)?;
             self.shade_filled(filled)?;
             self.shade_filled(doubts)?;
@@ -67,7 +67,7 @@ impl<G: Gpu> Stages<'_, '_, G> {
             &self.geometry,
             "shade_filled",
             pixels.count as usize,
-            &[&near, &list, &pixels.count, &1u32, &parameters, &color],
+            &[&near, &list, &pixels.count, &parameters, &color],
         )
     }
 }

@@ -1,6 +1,7 @@
 //! Trim trees in a device's memory, for `kernels/trim_tree.cuh`.
 
-use super::{Buffer, Gpu, GpuError, Pod, Pointer, abi};
+use super::gpu::pods;
+use super::{Buffer, Gpu, GpuError, Pointer, abi};
 use crate::scene::{Clip, Exit, Node, Segment, Tree, Trims};
 use glam::DVec3;
 
@@ -25,13 +26,6 @@ pub struct TrimPointers {
     points: Pointer<abi::TrimPoint>,
 }
 
-macro_rules! pods {
-    ($($structure:ty)*) => { $(
-        // SAFETY: plain numbers, or pointers, that fill all of it; what bindgen made is what the kernels include.
-        #[allow(unsafe_code)]
-        unsafe impl Pod for $structure {}
-    )* };
-}
 pods!(abi::TrimTree abi::TrimNode abi::TrimClip abi::TrimSegment abi::TrimPoint TrimPointers);
 
 impl TrimsOnDevice {

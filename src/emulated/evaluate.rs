@@ -1,18 +1,9 @@
 //! evaluate on the CPU by the GPU's kernels.
 
 use super::{Device, LaunchError};
+use crate::cuda::Shape;
 use crate::cuda::abi;
 use crate::cuda::evaluate::{Staged, WARPS};
-use crate::cuda::{Pod, Shape};
-
-macro_rules! pods {
-    ($($structure:ident)*) => { $(
-        // SAFETY: made by bindgen from what the kernels include, and plain numbers that fill all of it.
-        #[allow(unsafe_code)]
-        unsafe impl Pod for abi::$structure {}
-    )* };
-}
-pods!(View Patch Leaf Meshlet Point Vertex Filled Start Fragment Shown SurfacePoint SurfaceFrame);
 
 impl Device {
     /// The vertices of all meshlets.

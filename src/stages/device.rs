@@ -1,4 +1,4 @@
-//! The frame on a device, by the kernels of `cuda` (staged).
+//! The frame on a device, by the kernels of `cuda`.
 
 use super::device_geometry::{DeviceGeometry, GeometryCounts};
 use super::fill::Filled;
@@ -10,7 +10,7 @@ use super::{Options, Show, Trim, TrimCounts};
 use crate::cuda::evaluate::view;
 use crate::cuda::frame::Input;
 use crate::cuda::scene::SceneOnDevice;
-use crate::cuda::session::Session;
+use crate::cuda::session::{self as device, Session};
 use crate::cuda::{self, Gpu, frame};
 use crate::emulated;
 use crate::scene::Camera;
@@ -85,12 +85,15 @@ impl Renderer<'_> {
             geometry.counts();
         let DeviceGeometry { leaves, meshlets } = geometry;
         let input = Input {
-            view: view(&Lens::new(camera), options),
-            patches: leaves.patches,
-            leaves: leaves.leaves,
-            nets: leaves.nets,
-            basis: leaves.basis,
-            meshlets: meshlets.meshlets,
+            geometry: device::Geometry {
+                view: view(&Lens::new(camera), options),
+                patches: leaves.patches,
+                leaves: leaves.leaves,
+                nets: leaves.nets,
+                basis: leaves.basis,
+                meshlets: meshlets.meshlets,
+                vertices: None,
+            },
             vertices: meshlets.vertices,
             shape: options.frame,
             trims: scene.trims(),
