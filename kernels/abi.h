@@ -28,6 +28,17 @@ enum FillRule : uint32_t {
     FILL_OFF = 3,
 };
 
+/// What a patch is evaluated in: `Arithmetic` in src/cuda/precision.rs.
+enum ArithmeticRule : uint32_t {
+    ARITHMETIC_F32 = 0,
+    ARITHMETIC_F16 = 1,
+    ARITHMETIC_F16_RECOVERED = 2,
+    ARITHMETIC_F16_SPARSE = 3,
+    ARITHMETIC_TF32 = 4,
+    ARITHMETIC_TF32_RECOVERED = 5,
+};
+static const uint32_t ARITHMETICS = 6;
+
 /// A homogeneous point; loaded and stored 16 bytes at a time.
 struct alignas(16) Point {
     float x;
@@ -125,13 +136,18 @@ struct alignas(16) Leaf {
     /// The face's trims, or NO_TREE.
     uint32_t tree;
     /// Weights differ.
-    uint32_t rational;
+    uint16_t rational;
+    /// An `ArithmeticRule`.
+    uint16_t arithmetic;
 };
+
+/// Of a meshlet whose vertices no memory holds.
+static const uint32_t NO_VERTICES = 0xffffffff;
 
 /// A block of up to 7 x 7 quads of one patch's grid. 16 bytes: one load (20 cost five).
 struct alignas(16) Meshlet {
     uint32_t patch;
-    /// First of its (quads[0] + 1)(quads[1] + 1) vertices, v innermost.
+    /// First of its (quads[0] + 1)(quads[1] + 1) vertices, v innermost; NO_VERTICES: evaluated where they are wanted.
     uint32_t vertices;
     /// Its first quad in the patch's grid.
     uint16_t first[2];

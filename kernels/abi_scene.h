@@ -89,6 +89,9 @@ enum CullRule : uint32_t {
     CULL_ON = 2,
 };
 
+/// `Rules::precision`: the cheapest that fits.
+static const uint32_t PRECISION_AUTO = 6;
+
 /// What cull and estimate go by in a frame, besides its `View`.
 struct Rules {
     /// A `BoundRule`, a `GridRule`, a `CullRule`.
@@ -97,6 +100,13 @@ struct Rules {
     uint32_t cull;
     /// The near plane cuts nothing open: solids can only be seen from outside.
     uint32_t whole;
+    /// An `ArithmeticRule`, or PRECISION_AUTO.
+    uint32_t precision;
+    /// Only leaves whose grids are cut into large blocks are evaluated on tensor cores.
+    uint32_t large_blocks;
+    /// What a meshlet costs: in f32 by degree from 1 to 7, in the others.
+    double f32_clocks[7];
+    double clocks[6];
 };
 
 /// A homogeneous control point of the scene: (wx, wy, wz, w) about its patch's origin.

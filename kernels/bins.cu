@@ -9,6 +9,7 @@ constexpr uint32_t NONE = 0xffffffffu;
 constexpr uint32_t LARGEST_DEGREE = 7;
 constexpr uint32_t F32_BINS = LARGEST_DEGREE + 1;
 
+// Of a meshlet whose vertices are kept.
 static __device__ __forceinline__ uint32_t bin_of(const Patch &patch, uint32_t arithmetic) {
     const bool same = patch.degree[0] == patch.degree[1] && patch.degree[0] <= LARGEST_DEGREE;
     return arithmetic > 0 ? F32_BINS + arithmetic - 1 : same ? patch.degree[0] : 0;
@@ -16,16 +17,16 @@ static __device__ __forceinline__ uint32_t bin_of(const Patch &patch, uint32_t a
 
 } // namespace bins
 
-// Counts the meshlets of each bin; where `out` is not null, puts them there, in any order, behind `firsts`. `arithmetics`:
-// by patch; null: all in f32.
+// Counts the meshlets of each bin; where `out` is not null, puts them there, in any order, behind `firsts`. Those
+// without vertices are in none.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    evaluate_bins(Buffer<const Patch> patches, Buffer<const uint8_t> arithmetics, Buffer<const Meshlet> meshlets,
+    evaluate_bins(Buffer<const Patch> patches, Buffer<const Leaf> leaves, Buffer<const Meshlet> meshlets,
                   uint32_t count, Buffer<uint32_t> counts, Buffer<const uint32_t> firsts, Buffer<Meshlet> out) {
     const uint32_t k = blockIdx.x * THREADS + threadIdx.x;
     uint32_t bin = bins::NONE;
-    if (k < count) {
+    if (k < count && meshlets[k].vertices != NO_VERTICES) {
         const uint32_t patch = meshlets[k].patch;
-        bin = bins::bin_of(patches[patch], arithmetics ? arithmetics[patch] : 0);
+        bin = bins::bin_of(patches[patch], leaves[patch].arithmetic);
     }
     // One atomic for all of a warp's in one bin.
     const unsigned peers = __match_any_sync(0xffffffffu, bin);
@@ -40,3 +41,25 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     }
 }
 KERNEL(evaluate_bins)
+
+// A thread a meshlet: its vertices, where they are kept in the fused frame, made by tensor cores. Whole patches are, or are not:
+// blocks of one patch have the same vertices where they meet.
+extern "C" __global__ void __launch_bounds__(THREADS)
+    evaluate_kept(uint32_t count, Buffer<const Leaf> leaves, Buffer<const Meshlet> meshlets, Buffer<uint32_t> vertices) {
+    const uint32_t k = blockIdx.x * THREADS + threadIdx.x;
+    if (k < count) {
+        const Meshlet m = meshlets[k];
+        vertices[k] = leaves[m.patch].arithmetic == ARITHMETIC_F32 ? 0 : (m.quads[0] + 1u) * (m.quads[1] + 1u);
+    }
+}
+KERNEL(evaluate_kept)
+
+// A thread a meshlet: where its vertices begin, or that there are none.
+extern "C" __global__ void __launch_bounds__(THREADS)
+    evaluate_places(uint32_t count, Buffer<const uint32_t> vertices, Buffer<const uint32_t> firsts, Buffer<Meshlet> meshlets) {
+    const uint32_t k = blockIdx.x * THREADS + threadIdx.x;
+    if (k < count) {
+        meshlets[k].vertices = vertices[k] == 0 ? NO_VERTICES : firsts[k];
+    }
+}
+KERNEL(evaluate_places)

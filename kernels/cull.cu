@@ -18,7 +18,7 @@ extern "C" __global__ void __launch_bounds__(128)
     if (!cone::is_outside(view, patch.radius, map)
         && !cone::is_back_patch(view, patch, scene::visible_side(rules, patch), map)) {
         cull::Place place;
-        verdict = cull::judge(Team<1>::here(), view, scene::net_of(scene, patch), map, 0, place);
+        verdict = cull::judge(Team<1>::here(), view, rules, scene::net_of(scene, patch), map, 0, place);
         const double corner[2] = {0.0, 0.0}, extent[2] = {1.0, 1.0};
         if (verdict != cull::CULLED && cull::trimmed_away(view, scene, patch, corner, extent)) {
             verdict = cull::CULLED;

@@ -36,7 +36,7 @@ static __device__ __forceinline__ void patches(const View &view, const Rules &ru
     bool whole = here.state == ITEM_WHOLE;
     if (whole) {
         cull::Place place;
-        cull::judge(team, view, s.net, s.map, 0, place);
+        cull::judge(team, view, rules, s.net, s.map, 0, place);
         estimate::Grid grid = {};
         const estimate::Outcome outcome =
             estimate::grid_of(team, view, rules, s.map, s.net, bounds::enclosure_of(s.source), place, 0,
@@ -70,7 +70,8 @@ static __device__ __forceinline__ void patches(const View &view, const Rules &ru
              const __grid_constant__ scene::Scene scene, uint32_t instances, uint32_t count, Buffer<Visible> visible,  \
              Buffer<uint32_t> leaf_counts, Buffer<uint32_t> point_counts, Buffer<uint32_t> work,                       \
              Buffer<Counters> counters) {                                                                              \
-        const Rules with_bound = {BOUND, rules.grid, rules.cull, rules.whole};                                         \
+        Rules with_bound = rules;                                                                                      \
+        with_bound.bound = BOUND;                                         \
         estimate::patches(view, with_bound, scene, instances, count, visible, leaf_counts, point_counts, work,         \
                           counters);                                                                                   \
     }                                                                                                                  \
@@ -94,7 +95,7 @@ extern "C" __global__ void __launch_bounds__(128)
     const estimate::Subject s(view, scene, instances, here.item);
     const Team<1> team = Team<1>::here();
     cull::Place place;
-    cull::judge(team, view, s.net, s.map, 0, place);
+    cull::judge(team, view, rules, s.net, s.map, 0, place);
     const estimate::Grid grid = {{here.quads[0], here.quads[1]}, here.diagonal, {here.deviation[0], here.deviation[1]}};
     const leaf::Drawn drawn = {view,  rules, scene,    s.instance,      s.source,   s.map,
                                place, grid,     s.number, s.source_number, {0.0, 0.0}, {1.0, 1.0}};

@@ -176,11 +176,12 @@ static __device__ __forceinline__ Outcome grid_of(const Team<LANES> &team, const
                                                   const lens::PatchMap &map, const lens::Net &net,
                                                   const bounds::Enclosure &enclosure, const cull::Place &place,
                                                   uint32_t depth, Span<double> numbers, int stride, Grid &grid) {
-    const double tolerance = view.tolerance - SNAPPING - place.rounding;
+    const double tolerance = view.tolerance - SNAPPING - place.evaluation[0];
     if (tolerance <= 0.0) {
         return NO_TOLERANCE;
     }
-    const double depth_tolerance = view.depth_tolerance * lens::pixel_size(view, place.low.z);
+    const double depth_tolerance =
+        view.depth_tolerance * lens::pixel_size(view, place.low.z) - place.evaluation[1];
     const bounds::Subject subject = {view, map, net, place, tolerance, depth_tolerance};
     // What was read of an earlier list has been read.
     team.sync();
@@ -190,7 +191,7 @@ static __device__ __forceinline__ Outcome grid_of(const Team<LANES> &team, const
         return too_large(constraints, depth);
     }
     grid.deviation[0] = float(view.tolerance);
-    grid.deviation[1] = float(depth_tolerance);
+    grid.deviation[1] = float(depth_tolerance + place.evaluation[1]);
     if (rules.grid == GRID_ETER) {
         grid.quads[0] = (grid.quads[0] + MESHLET - 1) / MESHLET * MESHLET;
         grid.quads[1] = (grid.quads[1] + MESHLET - 1) / MESHLET * MESHLET;
@@ -200,8 +201,8 @@ static __device__ __forceinline__ Outcome grid_of(const Team<LANES> &team, const
     }
     double pixels, off;
     if (deviation(team, rules.bound, subject, enclosure, constraints, grid, pixels, off)) {
-        grid.deviation[0] = next_up(SNAPPING + place.rounding + (pixels < tolerance ? pixels : tolerance));
-        grid.deviation[1] = next_up(off < depth_tolerance ? off : depth_tolerance);
+        grid.deviation[0] = next_up(SNAPPING + place.evaluation[0] + (pixels < tolerance ? pixels : tolerance));
+        grid.deviation[1] = next_up(place.evaluation[1] + (off < depth_tolerance ? off : depth_tolerance));
     }
     return GRID;
 }

@@ -1,5 +1,6 @@
 // Whether a patch, or a piece of one, is drawn as it is: `Culler::judge` in src/stages/cull.rs, where everything is explained.
 #pragma once
+#include "precision.cuh"
 #include "scene.cuh"
 #include "team.cuh"
 
@@ -19,6 +20,8 @@ struct Place {
     double center[2];
     double depth_origin;
     double rounding;
+    uint32_t arithmetic;
+    double evaluation[2];
 };
 
 // The camera depths, and whether the whole hull lies beyond one side of the image.
@@ -67,8 +70,8 @@ static __device__ __forceinline__ double rounding_bound(const lens::Net &net, do
 
 // `depth` halvings made the piece. `place` is whole where it is kept.
 template <int LANES>
-static __device__ Verdict judge(const Team<LANES> &team, const View &view, const lens::Net &net, const lens::PatchMap &map,
-                                uint32_t depth, Place &place) {
+static __device__ Verdict judge(const Team<LANES> &team, const View &view, const Rules &rules, const lens::Net &net,
+                                const lens::PatchMap &map, uint32_t depth, Place &place) {
     bool outside;
     const Extremes z = depths(team, view, net, map, outside);
     if (z.high < view.near || outside) {
@@ -107,6 +110,24 @@ static __device__ Verdict judge(const Team<LANES> &team, const View &view, const
     place.depth_origin = double(float((z.low + z.high) * 0.5));
     place.low = {x.low, y.low, z.low};
     place.high = {x.high, y.high, z.high};
+    place.arithmetic = ARITHMETIC_F32;
+    place.evaluation[0] = place.rounding;
+    place.evaluation[1] = 0.0;
+    if (rules.precision == ARITHMETIC_F32) {
+        return KEEP;
+    }
+    const double relief = max(z.high - place.depth_origin, place.depth_origin - z.low);
+    const precision::Hull hull =
+        precision::hull_of(view, net.degree_u, net.degree_v, reach, d.high / d.low, z.low, place.depth_origin, relief);
+    precision::Chosen chosen;
+    if (!precision::choose(view, rules, hull, chosen)) {
+        return split;
+    }
+    if (chosen.arithmetic != ARITHMETIC_F32) {
+        place.arithmetic = chosen.arithmetic;
+        place.evaluation[0] = chosen.pixels;
+        place.evaluation[1] = chosen.depth * lens::pixel_size(view, z.high);
+    }
     return KEEP;
 }
 

@@ -87,7 +87,7 @@ static __device__ void pens(const Drawn &d, bool rim, double gap, Buffer<const P
     const bool refine = d.view.refine > 0;
     const uint32_t bound = d.rules.bound;
     const bool tells = bound == BOUND_SCREEN || bound == BOUND_FILIP || bound == BOUND_ETER;
-    const double rounding = d.place.rounding, off = double(d.grid.deviation[0]);
+    const double rounding = d.place.evaluation[0], off = double(d.grid.deviation[0]);
     const double half = 0.5 * max(d.view.tolerance - 0.5 / double(SUBPIXELS) - rounding, 0.0) + rounding;
     gap = rim ? gap : 0.0;
     out.pen_radius = radius_of(refine && rim ? off + gap : refine && tells ? off : half);
@@ -139,6 +139,7 @@ static __device__ Leaf leaf_of(const Drawn &d, Buffer<const Point> net) {
     pens(d, trims && (source.tree != NO_TREE || source.rim), out.gaps[1], net, out);
     out.tree = trims ? source.tree : NO_TREE;
     out.rational = source.rational;
+    out.arithmetic = uint16_t(precision::of_grid(d.rules, d.place.arithmetic, d.grid.quads));
     return out;
 }
 

@@ -115,7 +115,7 @@ struct Piece {
     // Where it is, whether it is drawn, and with which grid. A function of its own: this is much code for three callers.
     __device__ __noinline__ Finding look() {
         load();
-        const cull::Verdict verdict = cull::judge(warp, view, net, map, path.depth, place);
+        const cull::Verdict verdict = cull::judge(warp, view, rules, net, map, path.depth, place);
         if (verdict == cull::CULLED || cull::trimmed_away(view, scene, source, corner, extent)) {
             return GONE;
         }

@@ -93,7 +93,7 @@ static __device__ uint32_t leaves_of(Piece &piece, Lists &lists, const Buffers &
             for (uint32_t k = 0; k < (parts ? lists.length : 1); k++) {
                 piece.go_to(parts ? lists.list[k] : whole);
                 piece.load();
-                cull::judge(piece.warp, piece.view, piece.net, piece.map, piece.path.depth, piece.place);
+                cull::judge(piece.warp, piece.view, piece.rules, piece.net, piece.map, piece.path.depth, piece.place);
                 emit(piece, out, sizes, visible, instance, number++);
             }
             piece.path = here;

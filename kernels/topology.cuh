@@ -8,8 +8,8 @@ using Word = unsigned long long;
 // A block of kernels that give a thread to each pixel, or to each entry of a list: `THREADS` of src/cuda/session.rs.
 constexpr int THREADS = 128;
 
-// What the stages that draw read: the frame's patches with their grids, and the vertices that evaluate made of them; null in
-// the fused frame, where they are evaluated again where they are wanted.
+// What the stages that draw read: the frame's patches with their grids, and the vertices that evaluate made of them. In the
+// fused frame only what tensor cores made is kept, and null where there is none; others are evaluated where they are wanted.
 struct Geometry {
     const View &view;
     Buffer<const Patch> patches;
@@ -103,7 +103,7 @@ static __device__ __forceinline__ Primitive primitive(const Meshlet &m, int diag
 }
 
 static __device__ __forceinline__ Vertex load(const Geometry &in, const Meshlet &m, Corner c) {
-    if (in.vertices) {
+    if (in.vertices && m.vertices != NO_VERTICES) {
         return in.vertices[m.vertices + c.i * (m.quads[1] + 1) + c.j];
     }
     return evaluate::vertex(in.view, in.patches[m.patch], in.nets, in.basis, m.first[0] + c.i, m.first[1] + c.j);

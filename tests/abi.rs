@@ -24,6 +24,7 @@ fn the_rust_side_of_the_abi_is_fresh() {
         .raw_line(format!("//! Made by bindgen from {HEADER}: change that file, and read its comments there."))
         .allowlist_file(".*/abi(_scene)?\\.h")
         .constified_enum_module("FillRule")
+        .constified_enum_module("ArithmeticRule")
         .constified_enum_module("Region")
         .constified_enum_module("BoundRule")
         .constified_enum_module("GridRule")

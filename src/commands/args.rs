@@ -4,7 +4,7 @@ use super::UsageError;
 use super::backend::Backend;
 use super::source::ModelArgs;
 use crate::scene::{Camera, MAX_SIDE, Scene, View, ViewSpec};
-use crate::stages::{Bound, Cull, Fill, FrameShape, Grid, Options, Show, Trim};
+use crate::stages::{Bound, Cull, Fill, FrameShape, Grid, Options, Precision, Show, Trim};
 use anyhow::Result;
 use clap::ValueEnum;
 use glam::DVec3;
@@ -74,6 +74,9 @@ pub struct FrameArgs {
     /// How a GPU's frame is made [default: fused]
     #[arg(long, value_enum)]
     pub frame: Option<FrameShape>,
+    /// What a GPU evaluates patches in: tensor cores are used by all but f32 [default: f32]
+    #[arg(long, value_enum)]
+    pub precision: Option<Precision>,
     /// What the picture shows
     #[arg(long, value_enum, default_value_t)]
     pub show: Show,
@@ -97,19 +100,27 @@ impl FrameArgs {
             trim: self.trim,
             show: self.show,
             frame: self.frame.unwrap_or_default(),
+            precision: self.precision.unwrap_or_default(),
             refine: self.refine,
             tolerance: self.tolerance,
             depth_tolerance: self.depth_tolerance,
         }
     }
 
-    /// Refuses `--frame` where nothing has such shapes.
-    pub fn check_shape(&self) -> Result<()> {
-        if self.frame.is_some() && matches!(self.backend, Backend::Cpu | Backend::Auto) {
-            let what = "--frame is for the kernels of a GPU: add --backend cuda or --backend emulated";
-            return Err(UsageError(what.into()).into());
+    /// Refuses what is for the kernels of a GPU alone where the CPU draws.
+    pub fn check_kernels(&self) -> Result<()> {
+        if matches!(self.backend, Backend::Cuda | Backend::Emulated) {
+            return Ok(());
         }
-        Ok(())
+        let exact = self.precision.is_none_or(|p| matches!(p, Precision::Auto | Precision::F32));
+        let asked = if self.frame.is_some() {
+            "--frame is"
+        } else if !exact {
+            "--precision other than auto and f32 is"
+        } else {
+            return Ok(());
+        };
+        Err(UsageError(format!("{asked} for the kernels of a GPU: add --backend cuda or --backend emulated")).into())
     }
 
     /// The camera that was asked for, before it knows the model.

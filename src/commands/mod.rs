@@ -78,7 +78,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 fn run(command: Command) -> anyhow::Result<ExitCode> {
     if let Some(frame) = command.frame() {
         frame.backend.check()?;
-        frame.check_shape()?;
+        frame.check_kernels()?;
     }
     match command {
         Command::Render(args) => render::run(args),

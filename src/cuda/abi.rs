@@ -22,6 +22,19 @@ pub mod FillRule {
     pub const FILL_CONSERVATIVE: Type = 2;
     pub const FILL_OFF: Type = 3;
 }
+pub mod ArithmeticRule {
+    #[allow(unused_imports)]
+    use super::*;
+    /// What a patch is evaluated in: `Arithmetic` in src/cuda/precision.rs.
+    pub type Type = u32;
+    pub const ARITHMETIC_F32: Type = 0;
+    pub const ARITHMETIC_F16: Type = 1;
+    pub const ARITHMETIC_F16_RECOVERED: Type = 2;
+    pub const ARITHMETIC_F16_SPARSE: Type = 3;
+    pub const ARITHMETIC_TF32: Type = 4;
+    pub const ARITHMETIC_TF32_RECOVERED: Type = 5;
+}
+pub const ARITHMETICS: u32 = 6;
 /// A homogeneous point; loaded and stored 16 bytes at a time.
 #[repr(C)]
 #[repr(align(16))]
@@ -195,7 +208,9 @@ pub struct Leaf {
     /// The face's trims, or NO_TREE.
     pub tree: u32,
     /// Weights differ.
-    pub rational: u32,
+    pub rational: u16,
+    /// An `ArithmeticRule`.
+    pub arithmetic: u16,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
@@ -238,14 +253,19 @@ const _: () = {
     [
         "Offset of field: Leaf::rational",
     ][::core::mem::offset_of!(Leaf, rational) - 172usize];
+    [
+        "Offset of field: Leaf::arithmetic",
+    ][::core::mem::offset_of!(Leaf, arithmetic) - 174usize];
 };
+/// Of a meshlet whose vertices no memory holds.
+pub const NO_VERTICES: u32 = 4294967295;
 /// A block of up to 7 x 7 quads of one patch's grid. 16 bytes: one load (20 cost five).
 #[repr(C)]
 #[repr(align(16))]
 #[derive(Debug, Default, Copy, Clone, PartialEq)]
 pub struct Meshlet {
     pub patch: u32,
-    /// First of its (quads[0] + 1)(quads[1] + 1) vertices, v innermost.
+    /// First of its (quads[0] + 1)(quads[1] + 1) vertices, v innermost; NO_VERTICES: evaluated where they are wanted.
     pub vertices: u32,
     /// Its first quad in the patch's grid.
     pub first: [u16; 2usize],
@@ -641,6 +661,8 @@ pub mod CullRule {
     pub const CULL_AUTO: Type = 1;
     pub const CULL_ON: Type = 2;
 }
+/// `Rules::precision`: the cheapest that fits.
+pub const PRECISION_AUTO: u32 = 6;
 /// What cull and estimate go by in a frame, besides its `View`.
 #[repr(C)]
 #[derive(Debug, Default, Copy, Clone, PartialEq)]
@@ -651,15 +673,32 @@ pub struct Rules {
     pub cull: u32,
     /// The near plane cuts nothing open: solids can only be seen from outside.
     pub whole: u32,
+    /// An `ArithmeticRule`, or PRECISION_AUTO.
+    pub precision: u32,
+    /// Only leaves whose grids are cut into large blocks are evaluated on tensor cores.
+    pub large_blocks: u32,
+    /// What a meshlet costs: in f32 by degree from 1 to 7, in the others.
+    pub f32_clocks: [f64; 7usize],
+    pub clocks: [f64; 6usize],
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
 const _: () = {
-    ["Size of Rules"][::core::mem::size_of::<Rules>() - 16usize];
-    ["Alignment of Rules"][::core::mem::align_of::<Rules>() - 4usize];
+    ["Size of Rules"][::core::mem::size_of::<Rules>() - 128usize];
+    ["Alignment of Rules"][::core::mem::align_of::<Rules>() - 8usize];
     ["Offset of field: Rules::bound"][::core::mem::offset_of!(Rules, bound) - 0usize];
     ["Offset of field: Rules::grid"][::core::mem::offset_of!(Rules, grid) - 4usize];
     ["Offset of field: Rules::cull"][::core::mem::offset_of!(Rules, cull) - 8usize];
     ["Offset of field: Rules::whole"][::core::mem::offset_of!(Rules, whole) - 12usize];
+    [
+        "Offset of field: Rules::precision",
+    ][::core::mem::offset_of!(Rules, precision) - 16usize];
+    [
+        "Offset of field: Rules::large_blocks",
+    ][::core::mem::offset_of!(Rules, large_blocks) - 20usize];
+    [
+        "Offset of field: Rules::f32_clocks",
+    ][::core::mem::offset_of!(Rules, f32_clocks) - 24usize];
+    ["Offset of field: Rules::clocks"][::core::mem::offset_of!(Rules, clocks) - 80usize];
 };
 /// A homogeneous control point of the scene: (wx, wy, wz, w) about its patch's origin.
 #[repr(C)]

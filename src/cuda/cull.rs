@@ -3,6 +3,7 @@
 use super::gpu::pods;
 use super::scan::scan;
 use super::scene::SceneOnDevice;
+use super::selection::Selection;
 use super::session::Session;
 use super::{Buffer, Gpu, GpuError, abi};
 use crate::stages::lens::Lens;
@@ -18,7 +19,7 @@ pub(crate) struct Seen<'a> {
 }
 
 /// What cull and estimate go by. `whole`: the near plane cuts nothing open.
-pub(crate) fn rules(lens: &Lens, options: &Options, whole: bool) -> abi::Rules {
+pub(crate) fn rules(lens: &Lens, options: &Options, selection: &Selection, whole: bool) -> abi::Rules {
     debug_assert!(lens.near > 0.0);
     abi::Rules {
         bound: match options.bound {
@@ -39,6 +40,7 @@ pub(crate) fn rules(lens: &Lens, options: &Options, whole: bool) -> abi::Rules {
             Cull::On => abi::CullRule::CULL_ON,
         },
         whole: whole.into(),
+        ..selection.rules()
     }
 }
 

@@ -3,7 +3,7 @@
 use super::cull::Seen;
 use super::gpu::pods;
 use super::scan::scan;
-use super::session::Session;
+use super::session::{Geometry, Session};
 use super::{Buffer, Gpu, GpuError, Pointer, Shape, abi, basis};
 use thiserror::Error;
 
@@ -45,6 +45,14 @@ pub(crate) struct Leaves {
     pub basis: Buffer<f32>,
     /// Patches of which something is kept.
     pub patches_visible: u64,
+}
+
+impl Leaves {
+    /// Meshlets of these leaves, as the stages that draw them are given them; without vertices.
+    pub fn geometry(&self, view: &abi::View, meshlets: Buffer<abi::Meshlet>) -> Geometry {
+        let Self { patches, leaves, nets, basis, .. } = *self;
+        Geometry { view: *view, patches, leaves, nets, basis, meshlets, vertices: None }
+    }
 }
 
 /// `split::Buffers` of kernels/split.cu.

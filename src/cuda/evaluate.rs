@@ -1,14 +1,14 @@
 //! evaluate, host side: a frame's patches and meshlets as `kernels/abi.h` describes them.
 
-use super::precision::{Arithmetic, Hull, Kernel};
-use super::selection::{Clocks, Precision};
+use super::precision::{Arithmetic, Kernel};
+use super::scan::scan;
 use super::session::{Geometry, Session};
 use super::{Argument, Buffer, Gpu, GpuError, Pointer, Shape, abi};
 use crate::stages::cull::Leaves;
 use crate::stages::estimate::Tessellation;
 use crate::stages::evaluate::Meshlets;
 use crate::stages::lens::Lens;
-use crate::stages::{Fill, Interpolation, Options, Trim, basis::BasisTables};
+use crate::stages::{Fill, FrameShape, Interpolation, Options, Precision, Trim, basis::BasisTables};
 use std::collections::BTreeMap;
 
 /// Meshlets a block of the kernels evaluates, a warp each.
@@ -28,8 +28,6 @@ pub struct Staged {
     pub basis: Vec<f32>,
     /// Vertices of all meshlets.
     pub vertices: usize,
-    /// Of each patch.
-    pub arithmetics: Vec<Arithmetic>,
 }
 
 impl Staged {
@@ -69,7 +67,6 @@ impl Staged {
                 source: leaf.patch,
             });
         }
-        staged.arithmetics = vec![Arithmetic::F32; staged.patches.len()];
         staged.nets = leaves.nets.iter().map(|p| abi::Point { x: p.x, y: p.y, z: p.z, w: p.w }).collect();
         staged.meshlets = (meshlets.meshlets.iter())
             .map(|m| abi::Meshlet {
@@ -84,15 +81,9 @@ impl Staged {
         staged
     }
 
-    /// Gives each patch an arithmetic that its own `rounding` allows: what the tolerance left to evaluation when the grid was
-    /// made (`Precision::rounding`).
-    pub fn choose(&mut self, precision: Precision, clocks: &Clocks) {
-        let choose = |patch: &abi::Patch| {
-            let points: usize = patch.degree.iter().map(|&d| usize::from(d) + 1).product();
-            let hull = Hull::new(&self.view, patch, &self.nets[patch.net as usize..][..points]);
-            precision.choose(&self.view, &hull, patch.rounding.into(), clocks)
-        };
-        self.arithmetics = self.patches.iter().map(choose).collect();
+    /// What a patch is evaluated in.
+    pub fn arithmetic(&self, patch: usize) -> Arithmetic {
+        self.leaves.get(patch).and_then(|leaf| Arithmetic::numbered(leaf.arithmetic)).unwrap_or_default()
     }
 
     /// The kernels that evaluate all meshlets, each with its own, by degree and arithmetic of their patches.
@@ -100,28 +91,50 @@ impl Staged {
         let mut bins: BTreeMap<Kernel, Vec<abi::Meshlet>> = BTreeMap::new();
         for meshlet in &self.meshlets {
             let patch = meshlet.patch as usize;
-            let kernel = self.arithmetics[patch].kernel(self.patches[patch].degree);
+            let kernel = self.arithmetic(patch).kernel(self.patches[patch].degree);
             bins.entry(kernel).or_default().push(*meshlet);
         }
         bins.into_iter().map(|(kernel, meshlets)| (kernel.to_string(), meshlets)).collect()
     }
 }
 
-/// The vertices of all meshlets of a frame, in f32 or in each patch's own arithmetic.
+/// Memory for the vertices that a frame keeps: in the staged shape all, in the fused one what tensor cores make.
+pub(crate) fn memory<G: Gpu>(
+    session: &mut Session<G>,
+    geometry: &Geometry,
+    options: &Options,
+    all: u64,
+) -> Result<Option<Buffer<abi::Vertex>>, GpuError> {
+    if options.frame == FrameShape::Staged {
+        return session.allocate(all as usize).map(Some);
+    }
+    if options.precision == Precision::F32 {
+        return Ok(None);
+    }
+    let (leaves, meshlets, count) = (&geometry.leaves, &geometry.meshlets, geometry.meshlets.len());
+    let counts = session.allocate::<u32>(count)?;
+    let (leaves, meshlets) = (leaves.pointer(), meshlets.pointer());
+    session.for_each("evaluate_kept", count, &[&(count as u32), &leaves, &meshlets, &counts.pointer()])?;
+    let (firsts, kept) = scan(session, &counts)?;
+    let places: [&dyn Argument; 4] = [&(count as u32), &counts.pointer(), &firsts.pointer(), &meshlets];
+    session.for_each("evaluate_places", count, &places)?;
+    session.allocate(kept as usize).map(Some)
+}
+
+/// The vertices of all meshlets that are kept, each patch in its own arithmetic.
 pub(crate) fn evaluate<G: Gpu>(
     session: &mut Session<G>,
     geometry: &Geometry,
     vertices: &Buffer<abi::Vertex>,
-    arithmetics: Option<&Buffer<u8>>,
 ) -> Result<(), GpuError> {
-    let Geometry { view, patches, nets, basis, meshlets, .. } = geometry;
+    let Geometry { view, patches, leaves, nets, basis, meshlets, .. } = geometry;
     let all = meshlets.len();
     let kernels: Vec<String> = Kernel::all().map(|kernel| kernel.to_string()).collect();
-    let arithmetics = arithmetics.map_or(Pointer::NULL, Buffer::pointer);
     let sort = |session: &mut Session<G>, firsts: Pointer<u32>, out: Pointer<abi::Meshlet>| {
         let counts = session.zeroed::<u32>(kernels.len())?;
-        let (patches, meshlets, places) = (patches.pointer(), meshlets.pointer(), counts.pointer());
-        let arguments: [&dyn Argument; 7] = [&patches, &arithmetics, &meshlets, &(all as u32), &places, &firsts, &out];
+        let (patches, leaves, meshlets) = (patches.pointer(), leaves.pointer(), meshlets.pointer());
+        let places = counts.pointer();
+        let arguments: [&dyn Argument; 7] = [&patches, &leaves, &meshlets, &(all as u32), &places, &firsts, &out];
         session.for_each("evaluate_bins", all, &arguments)?;
         Ok::<_, GpuError>(counts)
     };

@@ -4,7 +4,7 @@ use super::evaluate::evaluate;
 use super::session::{Geometry, Session};
 use super::trims::TrimPointers;
 use super::{Buffer, Gpu, GpuError, abi};
-use crate::stages::{FrameShape, TrimCounts};
+use crate::stages::TrimCounts;
 
 /// What a device made of a frame.
 pub(crate) struct Drawn {
@@ -26,11 +26,7 @@ pub(crate) type Ended<'a> = &'a mut dyn FnMut(&'static str);
 
 /// What cull, estimate and the list of meshlets left on the device.
 pub(crate) struct Input {
-    /// Without vertices.
     pub geometry: Geometry,
-    /// Vertices of all meshlets.
-    pub vertices: u64,
-    pub shape: FrameShape,
     pub trims: TrimPointers,
     /// The scene has trims: meshlets may have to be tested, and pixels whose exact depth is not what was taken for it are in
     /// doubt.
@@ -67,12 +63,8 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         let Input { geometry, trims, .. } = *input;
         let view = geometry.view;
         let pixels = view.size[0] as usize * view.size[1] as usize;
-        let vertices = match input.shape {
-            FrameShape::Fused => None,
-            FrameShape::Staged => Some(session.allocate(input.vertices as usize)?),
-        };
         Ok(Self {
-            geometry: Geometry { vertices, ..geometry },
+            geometry,
             trims,
             near: session.zeroed(pixels)?,
             spare: session.zeroed(pixels)?,
@@ -85,7 +77,7 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
 
     fn run(&mut self, input: &Input, ended: Ended) -> Result<Drawn, GpuError> {
         if let Some(vertices) = self.geometry.vertices {
-            evaluate(self.session, &self.geometry, &vertices, None)?;
+            evaluate(self.session, &self.geometry, &vertices)?;
         }
         self.end("evaluate", ended)?;
         self.rasterize()?;

@@ -1,6 +1,7 @@
 //! `abi::Leaf` of a leaf that the CPU culled and estimated.
 
 use super::abi;
+use super::precision::Arithmetic;
 use crate::scene::Scene;
 use crate::stages::cull::Leaf;
 use crate::stages::estimate::Tessellation;
@@ -18,6 +19,7 @@ pub(crate) fn leaf(
     leaf: &Leaf,
     grid: &Tessellation,
     pen: &Pen,
+    arithmetic: Arithmetic,
 ) -> abi::Leaf {
     let patch = &scene.patches[leaf.patch as usize];
     let tree = patch.trim.tree.filter(|_| options.trim != Trim::Off);
@@ -41,5 +43,6 @@ pub(crate) fn leaf(
         center: leaf.center,
         tree: tree.unwrap_or(abi::NO_TREE),
         rational: patch.rational.into(),
+        arithmetic: arithmetic as u16,
     }
 }

@@ -2,8 +2,9 @@
 
 use super::cull::Seen;
 use super::estimate::{Leaves, Stopped};
-use super::evaluate::WARPS;
+use super::evaluate::{WARPS, evaluate};
 use super::gpu::pods;
+use super::precision::Arithmetic;
 use super::scan::scan;
 use super::session::Session;
 use super::{Buffer, Gpu, GpuError, Shape, abi};
@@ -133,6 +134,11 @@ fn evaluated_vertices<G: Gpu>(
     vertices: u64,
 ) -> Result<Buffer<abi::Vertex>, GpuError> {
     let (count, vertices) = (list.len() as u32, session.allocate(vertices as usize)?);
+    // As they will be drawn.
+    if seen.rules.precision != Arithmetic::F32 as u32 {
+        evaluate(session, &leaves.geometry(&seen.view, *list), &vertices)?;
+        return Ok(vertices);
+    }
     let (patches, nets, basis) = (leaves.patches.pointer(), leaves.nets.pointer(), leaves.basis.pointer());
     session.launch(
         "evaluate_f32",

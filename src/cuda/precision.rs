@@ -40,7 +40,8 @@
 //! Depth: `z = origin + Z / W` is such a quotient too, of reach `relief`, and the stored depth is `near / z` or linear in z.
 //! Errors are relative in perspective, absolute in orthographic views, where stored depth has a range of 1.
 //!
-//! Factors `1 + error` are multiplied, so that terms of higher order are in. Numbers above 2^100 and below 2^-100 are not.
+//! Factors `1 + error` multiply to at most `1 + s (1 + s)`, where s is the sum of all errors, below 1: terms of higher order are
+//! in. Numbers above 2^100 and below 2^-100 are not. Twin of kernels/precision.cuh: the same numbers, bit for bit.
 
 use super::abi;
 use serde::Serialize;
@@ -53,20 +54,20 @@ const P: f64 = 1.0 / (1 << 11) as f64;
 /// Degrees that tensor cores do.
 pub const LARGEST_TENSOR_DEGREE: u8 = 7;
 
-/// The arithmetic of one kernel.
+/// The arithmetic of one kernel; numbered as in kernels/abi.h.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Arithmetic {
     #[default]
-    F32,
+    F32 = abi::ArithmeticRule::ARITHMETIC_F32 as isize,
     /// f16 on tensor cores.
-    F16,
+    F16 = abi::ArithmeticRule::ARITHMETIC_F16 as isize,
     /// With low parts, as Ootomo and Yokota 2022.
-    F16Recovered,
+    F16Recovered = abi::ArithmeticRule::ARITHMETIC_F16_RECOVERED as isize,
     /// f16 by products whose left side is half empty: ETER's table 3.
-    F16Sparse,
-    Tf32,
-    Tf32Recovered,
+    F16Sparse = abi::ArithmeticRule::ARITHMETIC_F16_SPARSE as isize,
+    Tf32 = abi::ArithmeticRule::ARITHMETIC_TF32 as isize,
+    Tf32Recovered = abi::ArithmeticRule::ARITHMETIC_TF32_RECOVERED as isize,
 }
 
 /// A kernel that evaluates meshlets.
@@ -81,7 +82,7 @@ impl Kernel {
     /// By bin of kernels/bins.cu.
     pub(crate) fn all() -> impl Iterator<Item = Self> {
         let f32s = (0..=LARGEST_TENSOR_DEGREE).map(|degree| Self { arithmetic: Arithmetic::F32, degree });
-        let others = [Arithmetic::F16, Arithmetic::F16Recovered, Arithmetic::Tf32, Arithmetic::Tf32Recovered];
+        let others = Arithmetic::ALL.into_iter().filter(|arithmetic| *arithmetic != Arithmetic::F32);
         f32s.chain(others.map(|arithmetic| Self { arithmetic, degree: 0 }))
     }
 }
@@ -142,13 +143,24 @@ impl Hull {
         }
         // These points have been rounded to f32 already; `own` counts from the exact ones.
         let grow = 1.0 + 16.0 * U;
-        let (cancellation, relief) = if perspective {
-            ((origin + relief) / nearest * grow, relief / nearest * grow)
-        } else {
-            (1.0, relief * f64::from(view.depth_slope) * grow)
-        };
         let range = denominators[1] / denominators[0] * grow;
-        Self { degree: patch.degree, reach: reach * grow, range, cancellation, relief }
+        Self::of(view, patch.degree, [reach * grow, range], [nearest, origin, relief * grow])
+    }
+
+    /// `[reach, range]`, and camera depths: of the nearest control point, that the net is centred on, and how far one is from
+    /// that at most.
+    pub(crate) fn of(
+        view: &abi::View,
+        degree: [u8; 2],
+        [reach, range]: [f64; 2],
+        [nearest, origin, relief]: [f64; 3],
+    ) -> Self {
+        let (cancellation, relief) = if view.perspective != 0 {
+            ((origin + relief) / nearest, relief / nearest)
+        } else {
+            (1.0, relief * f64::from(view.depth_slope))
+        };
+        Self { degree, reach, range, cancellation, relief }
     }
 }
 
@@ -169,6 +181,11 @@ impl Arithmetic {
         if degree.iter().all(|d| (1..=LARGEST_TENSOR_DEGREE).contains(d)) { self } else { Self::F32 }
     }
 
+    /// By its number in kernels/abi.h.
+    pub fn numbered(number: u16) -> Option<Self> {
+        Self::ALL.get(usize::from(number)).copied()
+    }
+
     /// The a-priori bound; see the top of this file.
     pub fn bound(self, hull: &Hull) -> Bound {
         let (shared, relative) = self.for_degree(hull.degree).errors(hull.degree);
@@ -186,12 +203,14 @@ impl Arithmetic {
 
     /// `shared` and the relative part of `own`.
     fn errors(self, [m, n]: [u8; 2]) -> (f64, f64) {
-        let grown = |factors: &[(f64, i32)]| factors.iter().map(|&(e, k)| (1.0 + e).powi(k)).product::<f64>() - 1.0;
-        let [m, n] = [m, n].map(i32::from);
+        let grown = |errors: f64| errors * (1.0 + errors);
+        let degrees = f64::from(m) + f64::from(n);
         match self {
-            Self::F32 => (grown(&[(U, 2)]), grown(&[(U, m + n + 6)])),
-            Self::F16 | Self::F16Sparse | Self::Tf32 => (grown(&[(U, 2), (P, 2)]), grown(&[(U, m + n + 16), (P, 2)])),
-            Self::F16Recovered | Self::Tf32Recovered => (grown(&[(U, 6)]), grown(&[(U, m + n + 25)])),
+            Self::F32 => (grown(2.0 * U), grown((degrees + 6.0) * U)),
+            Self::F16 | Self::F16Sparse | Self::Tf32 => {
+                (grown(2.0 * U + 2.0 * P), grown((degrees + 16.0) * U + 2.0 * P))
+            }
+            Self::F16Recovered | Self::Tf32Recovered => (grown(6.0 * U), grown((degrees + 25.0) * U)),
         }
     }
 
@@ -199,7 +218,7 @@ impl Arithmetic {
     fn vanishing(self, [m, n]: [u8; 2]) -> f64 {
         match self.for_degree([m, n]) {
             Self::F16 | Self::F16Recovered | Self::F16Sparse => {
-                0.5_f64.powi(30) + f64::from(m + n + 2) * 0.5_f64.powi(34) + 0.5_f64.powi(38)
+                0.5_f64.powi(30) + (f64::from(m) + f64::from(n) + 2.0) * 0.5_f64.powi(34) + 0.5_f64.powi(38)
             }
             _ => 0.0,
         }

@@ -1,7 +1,7 @@
 //! A GPU as the frame uses it: one stream on one device, and its memory.
 
 use super::gpu::bytes_of;
-use super::{Argument, Buffer, CudaError, Gpu, GpuError, Kernels, Pod, Pointer, Shape, devices};
+use super::{Argument, Buffer, CudaError, Device, Gpu, GpuError, Kernels, OLDEST_DEVICE, Pod, Pointer, Shape, devices};
 use cudarc::driver::{CudaEvent, CudaFunction, CudaSlice, CudaStream, DevicePtr, result, sys};
 use foldhash::{HashMap, HashMapExt};
 use std::ffi::c_void;
@@ -11,6 +11,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct Stream {
     name: String,
+    compute_capability: [i32; 2],
     kernels: Kernels,
     stream: Arc<CudaStream>,
     /// By [`Buffer`]'s number.
@@ -25,15 +26,20 @@ impl Stream {
         let kernels = Kernels::load(ordinal)?;
         let stream = kernels.context().new_stream().map_err(CudaError::of_driver("making a CUDA stream"))?;
         let device = devices()?.into_iter().find(|d| d.ordinal == ordinal);
-        let name = device.map(|d| format!("{}, driver {}", d.name, d.driver.version.as_deref().unwrap_or("unknown")));
+        let driver = |d: &Device| d.driver.version.clone().unwrap_or_else(|| "unknown".into());
         Ok(Self {
-            name: name.unwrap_or_default(),
+            name: device.as_ref().map_or_else(String::new, |d| format!("{}, driver {}", d.name, driver(d))),
+            compute_capability: device.map_or(OLDEST_DEVICE, |d| d.compute_capability),
             kernels,
             stream,
             memory: Vec::new(),
             unused: Vec::new(),
             functions: HashMap::new(),
         })
+    }
+
+    pub fn compute_capability(&self) -> [i32; 2] {
+        self.compute_capability
     }
 
     /// The device and its driver, as rows of measurements name them.

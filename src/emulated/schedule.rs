@@ -39,6 +39,16 @@ pub enum TensorCores {
     Sm90 = 1,
 }
 
+impl TensorCores {
+    /// Of a device that has them.
+    pub fn compute_capability(self) -> [i32; 2] {
+        match self {
+            TensorCores::Sm80 => [8, 0],
+            TensorCores::Sm90 => [9, 0],
+        }
+    }
+}
+
 /// Who runs when. A right kernel gives the same under every schedule, so tests try [`Schedule::adversarial`] ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Schedule {

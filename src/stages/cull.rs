@@ -6,14 +6,18 @@
 use super::cone::Cone;
 use super::lens::{Lens, PatchMap};
 use super::{Cull, Options, RenderError, Trim};
+use crate::cuda::abi;
+use crate::cuda::evaluate::view;
+use crate::cuda::precision::{Arithmetic, Hull};
+use crate::cuda::selection::Selection;
 use crate::geometry::{BezierPatch, Net};
 use crate::scene::{Enclosure, ParameterBox, Patch, Region, Scene, Sides, enclose};
 use glam::{DVec3, DVec4, Vec4};
 
 /// Largest depth ratio within a leaf; research "tessellation-bounds" section 4c.
 const DEPTH_RATIO: f64 = 3.0;
-/// Pixels of rounding that evaluation may take out of the tolerance.
-pub(crate) const ROUNDING_BUDGET: f64 = 1.0 / 256.0;
+/// Pixels of rounding that f32 may take out of the tolerance.
+pub(super) const ROUNDING_BUDGET: f64 = 1.0 / 256.0;
 /// Pixels that f32 parameters may be off by where weights differ; next to nothing else.
 const PARAMETER_BUDGET: f64 = 1.0 / 64.0;
 /// Strokes reach a quarter of a pixel past a patch; a whole one is kept.
@@ -44,8 +48,12 @@ pub(crate) struct Leaf {
     /// Box of the control net: pixels about the image centre (x, y) and camera depth.
     pub low: DVec3,
     pub high: DVec3,
-    /// A-priori bound of the rounding of a vertex's screen position, in pixels.
+    /// A-priori bound of the rounding in f32 of a point's screen position, in pixels.
     pub rounding: f64,
+    /// What its grid is evaluated in; on the CPU always f32.
+    pub arithmetic: Arithmetic,
+    /// What evaluation takes of the tolerances: pixels, and camera depth in model units beyond what f32 is off by.
+    pub evaluation: [f64; 2],
     /// Halvings of its patch.
     pub depth: u32,
     /// Sign of the screen area, in parameter order, of triangles that face away on a solid; 0: both sides can be seen.
@@ -109,15 +117,17 @@ pub(super) struct Culler<'a> {
     pub scene: &'a Scene,
     pub lens: &'a Lens,
     pub options: &'a Options,
+    selection: &'a Selection,
+    view: abi::View,
     /// The near plane cuts nothing open: solids can only be seen from outside.
     whole: bool,
     scratch: Vec<DVec4>,
 }
 
 impl<'a> Culler<'a> {
-    pub fn new(scene: &'a Scene, lens: &'a Lens, options: &'a Options) -> Self {
+    pub fn new(scene: &'a Scene, lens: &'a Lens, options: &'a Options, selection: &'a Selection) -> Self {
         let whole = lens.shows_whole(scene.bounds.center(), scene.bounds.radius());
-        Self { scene, lens, options, whole, scratch: Vec::new() }
+        Self { scene, lens, options, selection, view: view(lens, options), whole, scratch: Vec::new() }
     }
 
     /// Appends what can be seen of a patch.
@@ -238,6 +248,15 @@ impl<'a> Culler<'a> {
         if rounding.is_nan() || rounding > ROUNDING_BUDGET {
             return split;
         }
+        let depth_origin = f64::from(((z_min + z_max) * 0.5) as f32);
+        let relief = (z_max - depth_origin).max(depth_origin - z_min);
+        let range = weights.1 / weights.0;
+        let hull = Hull::of(&self.view, net.degree().map(|d| d as u8), [reach, range], [z_min, depth_origin, relief]);
+        let Some(chosen) = self.selection.choose(&self.view, &hull) else { return split };
+        let evaluation = match chosen.arithmetic {
+            Arithmetic::F32 => [rounding, 0.0],
+            _ => [chosen.pixels, chosen.depth * lens.pixel_size(z_max)],
+        };
         Verdict::Keep(Box::new(Leaf {
             instance: 0,
             patch: 0,
@@ -247,10 +266,12 @@ impl<'a> Culler<'a> {
             degree: net.degree(),
             net: 0,
             center: center.map(|c| c as i32),
-            depth_origin: f64::from(((z_min + z_max) * 0.5) as f32),
+            depth_origin,
             low: DVec3::new(x_min, y_min, z_min),
             high: DVec3::new(x_max, y_max, z_max),
             rounding,
+            arithmetic: chosen.arithmetic,
+            evaluation,
             depth: piece.depth,
             hidden: 0,
         }))

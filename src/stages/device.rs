@@ -6,13 +6,13 @@ use super::frame::{Frame, Geometry, RenderError, Renderer, Surface, Targets};
 use super::lens::Lens;
 use super::shade::{Shader, repaint};
 use super::stats::{Clock, Stats};
-use super::{Options, Show, Trim, TrimCounts};
-use crate::cuda::evaluate::view;
+use super::{Options, Precision, Show, Trim, TrimCounts};
+use crate::cuda::evaluate::{memory, view};
 use crate::cuda::frame::Input;
 use crate::cuda::scene::SceneOnDevice;
 use crate::cuda::session::{self as device, Session};
 use crate::cuda::{self, Gpu, frame};
-use crate::emulated;
+use crate::emulated::{self, TensorCores};
 use crate::scene::Camera;
 
 /// What draws frames.
@@ -37,6 +37,15 @@ impl Engine {
         }
     }
 
+    /// Of the GPU, or of the tensor cores that are emulated; the CPU is like these.
+    pub fn compute_capability(&self) -> [i32; 2] {
+        match self {
+            Engine::Cpu => TensorCores::default().compute_capability(),
+            Engine::Emulated(device) => device.schedule.tensor_cores.compute_capability(),
+            Engine::Cuda(stream) => stream.compute_capability(),
+        }
+    }
+
     /// The GPU and its driver; `None` on the CPU.
     pub fn gpu(&self) -> Option<String> {
         match self {
@@ -56,6 +65,9 @@ impl Renderer<'_> {
     ) -> Result<Frame, RenderError> {
         if options.trim == Trim::Texture {
             return Err(RenderError::NoTextures);
+        }
+        if options.show != Show::Shaded && options.precision != Precision::F32 {
+            return Err(RenderError::NotExplained);
         }
         let scene = match self.resident {
             Some(scene) => scene,
@@ -84,21 +96,10 @@ impl Renderer<'_> {
         let GeometryCounts { patches_visible, quads, meshlets_outside, meshlets_inside, meshlets_boundary } =
             geometry.counts();
         let DeviceGeometry { leaves, meshlets } = geometry;
-        let input = Input {
-            geometry: device::Geometry {
-                view: view(&Lens::new(camera), options),
-                patches: leaves.patches,
-                leaves: leaves.leaves,
-                nets: leaves.nets,
-                basis: leaves.basis,
-                meshlets: meshlets.meshlets,
-                vertices: None,
-            },
-            vertices: meshlets.vertices,
-            shape: options.frame,
-            trims: scene.trims(),
-            trimmed: scene.trimmed,
-        };
+        let all = leaves.geometry(&view(&Lens::new(camera), options), meshlets.meshlets);
+        let vertices = memory(session, &all, options, meshlets.vertices)?;
+        let input =
+            Input { geometry: device::Geometry { vertices, ..all }, trims: scene.trims(), trimmed: scene.trimmed };
         let drawn = frame::draw(session, &input, &mut |stage| clock.stage(stage))?;
         let filled = drawn.filled.iter().map(|&pixel| Filled { pixel, near: 0, start: None }).collect::<Vec<_>>();
         let counts = TrimCounts { meshlets_outside, meshlets_inside, meshlets_boundary, ..TrimCounts::default() };

@@ -44,7 +44,8 @@ impl Renderer<'_> {
     ) -> Result<DeviceGeometry, RenderError> {
         let lens = Lens::new(camera);
         let whole = lens.shows_whole(self.scene.bounds.center(), self.scene.bounds.radius());
-        let seen = Seen { scene, view: view(&lens, options), rules: rules(&lens, options, whole) };
+        let seen =
+            Seen { scene, view: view(&lens, options), rules: rules(&lens, options, &self.selection(options), whole) };
         let visible = cull::cull(session, &seen)?;
         session.finish()?;
         ended("cull");
@@ -96,7 +97,8 @@ impl Renderer<'_> {
             patch.map(|patch| (k as u32, patch as u32))
         });
         let (instance, patch) = found.unwrap_or_default();
-        let mut culler = Culler::new(self.scene, lens, options);
+        let selection = self.selection(options);
+        let mut culler = Culler::new(self.scene, lens, options, &selection);
         let mut leaves = Leaves::default();
         let culled = culler.patch(instance, patch, &mut leaves);
         let estimated = culled.and_then(|()| estimate(&mut culler, leaves, &AtomicU64::new(0)));

@@ -158,9 +158,10 @@ fn worth_halving(points: u64, rational: bool) -> u64 {
 /// The leaf's grid, or the axis to split where it would be too large.
 fn grid_of(culler: &Culler, leaf: &Leaf, projected: &[Vec4]) -> Result<Result<Tessellation, usize>, RenderError> {
     let Culler { scene, lens, options, .. } = *culler;
-    let tolerance = options.tolerance - SNAPPING - leaf.rounding;
+    let [rounding, depth_rounding] = leaf.evaluation;
+    let tolerance = options.tolerance - SNAPPING - rounding;
     if tolerance <= 0.0 {
-        return Err(RenderError::ToleranceTooSmall { tolerance: options.tolerance, floor: SNAPPING + leaf.rounding });
+        return Err(RenderError::ToleranceTooSmall { tolerance: options.tolerance, floor: SNAPPING + rounding });
     }
     let (net, enclosure) = leaf.source(scene);
     let patch = &scene.patches[leaf.patch as usize];
@@ -173,13 +174,13 @@ fn grid_of(culler: &Culler, leaf: &Leaf, projected: &[Vec4]) -> Result<Result<Te
         enclosure,
         projected,
         tolerance,
-        depth_tolerance: options.depth_tolerance * lens.pixel_size(leaf.low.z),
+        depth_tolerance: options.depth_tolerance * lens.pixel_size(leaf.low.z) - depth_rounding,
     };
     let constraints = constraints(options.bound, &subject);
     let Some(mut grid) = solve(&constraints) else {
         return too_large(culler, leaf, &constraints);
     };
-    grid.deviation = [options.tolerance, subject.depth_tolerance].map(|d| d as f32);
+    grid.deviation = [options.tolerance, subject.depth_tolerance + depth_rounding].map(|d| d as f32);
     if options.grid == Grid::Eter {
         grid.quads = grid.quads.map(|n| n.next_multiple_of(MESHLET));
     }
@@ -188,8 +189,9 @@ fn grid_of(culler: &Culler, leaf: &Leaf, projected: &[Vec4]) -> Result<Result<Te
     }
     if let Some([pixels, depth]) = deviation(options.bound, &subject, &constraints, &grid) {
         let least = |real: f64, allowed: f64| if real < allowed { real } else { allowed };
-        let pixels = SNAPPING + leaf.rounding + least(pixels, tolerance);
-        grid.deviation = [pixels, least(depth, subject.depth_tolerance)].map(|d| (d as f32).next_up());
+        let pixels = SNAPPING + rounding + least(pixels, tolerance);
+        let depth = depth_rounding + least(depth, subject.depth_tolerance);
+        grid.deviation = [pixels, depth].map(|d| (d as f32).next_up());
     }
     Ok(Ok(grid))
 }

@@ -16,7 +16,8 @@ use super::stroke::{Pen, sags};
 use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
 use super::trim::{textures, trim};
 use super::trim_cut::gaps;
-use super::{Bound, Options, Trim};
+use super::{Bound, FrameShape, Options, Precision, Trim};
+use crate::cuda::selection::{Clocks, Selection};
 use crate::cuda::{self, GpuError, abi, evaluate::Staged, scene::SceneOnDevice};
 use crate::scene::{Camera, PatchTrim, Scene};
 use glam::Vec4;
@@ -64,6 +65,10 @@ pub enum RenderError {
     ToleranceTooSmall { tolerance: f64, floor: f64 },
     #[error("the model is {size:e} units large; what is drawn in f32 measures 1e-30 to 1e30: scale it")]
     ModelSize { size: f64 },
+    #[error("the CPU evaluates in f32 alone: use --backend cuda or --backend emulated")]
+    NoTensorCores,
+    #[error("pictures that explain a frame are painted of grids in f32: use --precision f32, or --show shaded")]
+    NotExplained,
     #[error("--trim texture is drawn by the CPU alone: use --backend cpu")]
     NoTextures,
     #[error(transparent)]
@@ -114,6 +119,7 @@ pub struct Renderer<'a> {
     engine: Engine,
     /// What the engine's device has of the scene.
     pub(super) resident: Option<SceneOnDevice>,
+    clocks: &'static Clocks,
     tables: BasisTables,
     spare_targets: Option<Targets>,
 }
@@ -132,7 +138,14 @@ impl<'a> Renderer<'a> {
     }
 
     pub fn with(scene: &'a Scene, engine: Engine) -> Self {
-        Self { scene, engine, resident: None, tables: BasisTables::new(), spare_targets: None }
+        let clocks = Clocks::of(engine.compute_capability());
+        Self { scene, engine, resident: None, clocks, tables: BasisTables::new(), spare_targets: None }
+    }
+
+    /// By what kernels' patches get their arithmetic.
+    pub(super) fn selection(&self, options: &Options) -> Selection {
+        let large_blocks = options.frame == FrameShape::Fused;
+        Selection { precision: options.precision, clocks: self.clocks, large_blocks }
     }
 
     pub fn engine(&self) -> &Engine {
@@ -153,6 +166,10 @@ impl<'a> Renderer<'a> {
     }
 
     fn render_here(&mut self, camera: &Camera, options: &Options) -> Result<Frame, RenderError> {
+        let options = &match options.precision {
+            Precision::F32 | Precision::Auto => Options { precision: Precision::F32, ..*options },
+            _ => return Err(RenderError::NoTensorCores),
+        };
         let lens = Lens::new(camera);
         let mut clock = Clock::new();
         let culled = self.cull(&lens, options)?;
@@ -223,9 +240,11 @@ impl<'a> Renderer<'a> {
         meshlets: &Meshlets,
     ) -> Staged {
         let mut staged = Staged::new(lens, options, &self.tables, leaves, grids, meshlets);
+        let selection = self.selection(options);
         let described = |(leaf, grid)| {
             let pen = self.pen(lens, options, leaf, grid, &leaves.nets);
-            cuda::leaves::leaf(self.scene, lens, options, leaf, grid, &pen)
+            let arithmetic = selection.of_grid(leaf.arithmetic, grid.quads);
+            cuda::leaves::leaf(self.scene, lens, options, leaf, grid, &pen, arithmetic)
         };
         staged.leaves = leaves.leaves.par_iter().zip(grids).map(described).collect();
         staged
@@ -271,8 +290,9 @@ impl<'a> Renderer<'a> {
     }
 
     pub(super) fn cull(&self, lens: &Lens, options: &Options) -> Result<Vec<Leaves>, RenderError> {
+        let selection = &self.selection(options);
         let cull_one = |(instance, patches): (u32, std::ops::Range<usize>)| {
-            let mut culler = Culler::new(self.scene, lens, options);
+            let mut culler = Culler::new(self.scene, lens, options, selection);
             let mut leaves = Leaves::default();
             for patch in patches {
                 culler.patch(instance, patch as u32, &mut leaves)?;
@@ -289,8 +309,9 @@ impl<'a> Renderer<'a> {
         culled: Vec<Leaves>,
     ) -> Result<Geometry, RenderError> {
         let vertices = AtomicU64::new(0);
+        let selection = &self.selection(options);
         let estimated: Vec<(Leaves, Vec<Tessellation>)> = (culled.into_par_iter())
-            .map(|leaves| estimate(&mut Culler::new(self.scene, lens, options), leaves, &vertices))
+            .map(|leaves| estimate(&mut Culler::new(self.scene, lens, options, selection), leaves, &vertices))
             .collect::<Result<_, _>>()?;
         let mut all = Geometry::default();
         for (leaves, grids) in estimated {

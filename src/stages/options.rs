@@ -1,5 +1,6 @@
 //! What a frame is asked to do; the names are those of the command line.
 
+pub use crate::cuda::selection::Precision;
 use serde::{Deserialize, Serialize};
 
 /// The tessellation bound (DESIGN section 4). Each certifies one interpolation of the parameters.
@@ -114,6 +115,8 @@ pub struct Options {
     pub trim: Trim,
     pub show: Show,
     pub frame: FrameShape,
+    /// Of evaluation on a device; the CPU has f32 alone.
+    pub precision: Precision,
     /// Newton steps towards the pixel centre; 0 is the papers' way.
     pub refine: u32,
     /// Pixels.
@@ -132,6 +135,7 @@ impl Default for Options {
             trim: Trim::On,
             show: Show::Shaded,
             frame: FrameShape::Fused,
+            precision: Precision::F32,
             refine: 2,
             tolerance: 0.5,
             depth_tolerance: 1.0,

@@ -49,7 +49,7 @@ impl Pen {
         let subpixels = f64::from(SUBPIXELS);
         let off = f64::from(grid.deviation[0]);
         let tells = matches!(options.bound, Bound::Screen | Bound::Filip | Bound::Eter);
-        let half = 0.5 * (tolerance - 0.5 / subpixels - leaf.rounding).max(0.0) + leaf.rounding;
+        let half = 0.5 * (tolerance - 0.5 / subpixels - leaf.evaluation[0]).max(0.0) + leaf.evaluation[0];
         let radius = |reach: f64| (subpixels * reach + 0.5).ceil() as i64;
         let gap = rim.unwrap_or(0.0);
         let whole = radius(if refine && rim.is_some() {
@@ -59,7 +59,7 @@ impl Pen {
         } else {
             half
         });
-        let side = |sag: f64| radius(off.min(sag + 0.5 / subpixels + leaf.rounding) + gap);
+        let side = |sag: f64| radius(off.min(sag + 0.5 / subpixels + leaf.evaluation[0]) + gap);
         Self {
             sides: if refine && (tells || rim.is_some()) { sags.map(side) } else { [whole; 4] },
             radius: whole,

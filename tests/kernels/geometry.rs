@@ -1,13 +1,16 @@
 //! cull, estimate and the list of meshlets by kernels against the CPU's, word for word.
 
 use crate::support::under_all_schedules;
+use clap::ValueEnum;
 use glam::{DAffine3, DVec3};
 use halfpixel::cuda::abi;
 use halfpixel::cuda::evaluate::Staged;
+use halfpixel::cuda::precision::Arithmetic;
 use halfpixel::emulated::{Device, Schedule};
 use halfpixel::import;
 use halfpixel::scene::{Scene, SceneInstance, ViewSpec, prepare};
-use halfpixel::stages::{Bound, Cull, GeometryCounts, Grid, Options, Renderer, Trim};
+use halfpixel::stages::{Bound, Cull, FrameShape, GeometryCounts, Grid, Options, Precision, Renderer, Trim};
+use std::collections::BTreeMap;
 use std::mem::discriminant;
 use std::ops::Range;
 
@@ -180,6 +183,43 @@ fn any_order_gives_the_same_words() {
         }
     }
     assert!(met.rational_parts > 50 && met.deep > 0 && met.tested > 40, "{met:?}");
+}
+
+/// Patches get the same arithmetic, and halves where it needs them. The list of meshlets follows from vertices as they are
+/// drawn, so that it is the CPU's only where nothing is trimmed.
+#[test]
+fn every_precision_is_chosen_alike() {
+    let mut chosen = BTreeMap::new();
+    for name in MODELS {
+        let scene = scene(name);
+        let renderer = Renderer::new(&scene);
+        for &precision in Precision::value_variants() {
+            for (frame, orthographic, zoom) in [(FrameShape::Staged, false, 1.0), (FrameShape::Fused, true, 6.0)] {
+                let camera = view(orthographic, zoom).camera(&scene.bounds).expect("a camera");
+                let bound = if orthographic { Bound::Screen } else { Bound::Eter };
+                let trim = if orthographic { Trim::Off } else { Trim::On };
+                let options = Options { precision, frame, bound, trim, ..Options::default() };
+                let (mut expected, _) = renderer.staged(&camera, &options).expect("a frame");
+                let (mut found, _) = renderer.staged_on(&mut Device::default(), &camera, &options).expect("a frame");
+                for k in 0..found.patches.len() {
+                    *chosen.entry((precision, found.arithmetic(k))).or_insert(0) += 1;
+                }
+                if trim == Trim::On && precision != Precision::F32 {
+                    for staged in [&mut expected, &mut found] {
+                        staged.meshlets.clear();
+                        staged.vertices = 0;
+                    }
+                }
+                compare(&found, &expected, &format!("{name} {precision:?} {frame:?}"));
+            }
+        }
+    }
+    let met = |p, a| chosen.get(&(p, a)).copied().unwrap_or(0);
+    assert!(met(Precision::Auto, Arithmetic::F32) > 100 && met(Precision::Auto, Arithmetic::Tf32) > 30, "{chosen:?}");
+    assert!(
+        met(Precision::Auto, Arithmetic::F16Recovered) > 5 && met(Precision::F16, Arithmetic::F16) > 200,
+        "{chosen:?}"
+    );
 }
 
 /// What is told of a frame.

@@ -1,6 +1,7 @@
 //! cull: nothing that can be seen is dropped, whatever the patch, the camera and the eye.
 
 use super::Random;
+use crate::cuda::selection::Selection;
 use crate::geometry::BezierPatch;
 use crate::import::builtin::builtin;
 use crate::model::{Face, Model, Part, Solidity, Surface};
@@ -50,7 +51,9 @@ fn camera(random: &mut Random, scene: &Scene) -> Camera {
 fn leaves(scene: &Scene, camera: &Camera, cull: Cull, patch: usize) -> Leaves {
     let (lens, options) = (Lens::new(camera), Options { cull, ..Options::default() });
     let mut out = Leaves::default();
-    Culler::new(scene, &lens, &options).patch(0, patch as u32, &mut out).expect("not too many pieces");
+    Culler::new(scene, &lens, &options, Selection::SINGLE)
+        .patch(0, patch as u32, &mut out)
+        .expect("not too many pieces");
     out
 }
 

@@ -1,5 +1,6 @@
 //! What a grid says it is off by, against the surface between its vertices, in f64.
 
+use crate::cuda::selection::Selection;
 use crate::import::builtin::builtin;
 use crate::scene::{Camera, Scene, View, ViewSpec, prepare};
 use crate::stages::cull::{Culler, Leaf, Leaves};
@@ -36,7 +37,7 @@ fn on_triangle(lens: &Lens, corners: [(DVec3, f64); 4], diagonal: u8, [a, b]: [f
 /// Largest share of what a grid allows itself that it is off by, in pixels and in depth.
 fn check(scene: &Scene, camera: &Camera, options: &Options) -> [f64; 2] {
     let lens = Lens::new(camera);
-    let mut culler = Culler::new(scene, &lens, options);
+    let mut culler = Culler::new(scene, &lens, options, Selection::SINGLE);
     let mut leaves = Leaves::default();
     for (k, instance) in scene.instances.iter().enumerate() {
         for patch in instance.patches.clone() {
@@ -108,7 +109,7 @@ fn flat_faces_are_exact() {
     let scene = prepare(&builtin("trimmed:wedge").expect("a built-in"), &|_, _| ()).expect("a scene");
     let camera = ViewSpec { size: [320, 240], ..ViewSpec::default() }.camera(&scene.bounds).expect("a camera");
     let (lens, options) = (Lens::new(&camera), Options::default());
-    let mut culler = Culler::new(&scene, &lens, &options);
+    let mut culler = Culler::new(&scene, &lens, &options, Selection::SINGLE);
     let mut leaves = Leaves::default();
     for patch in scene.instances[0].patches.clone().filter(|&p| scene.patches[p].degree == [1, 1]) {
         culler.patch(0, patch as u32, &mut leaves).expect("leaves");
