@@ -1,7 +1,7 @@
 //! What a frame really used, for every output that states a measurement.
 
 pub use crate::report::cpu_name;
-use crate::stages::{Bound, Engine, Fill, FrameShape, Grid, Options};
+use crate::stages::{Bound, Engine, Fill, FrameShape, Grid, Options, Precision};
 use fearless_simd::Level;
 use serde::Serialize;
 
@@ -17,6 +17,8 @@ pub struct Used {
     /// On a device.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frame: Option<FrameShape>,
+    /// Of evaluation; the CPU has one.
+    pub precision: Precision,
     pub device: String,
     pub threads: usize,
 }
@@ -31,6 +33,7 @@ impl Used {
             fill: options.fill,
             grid: options.grid,
             frame: (!matches!(engine, Engine::Cpu)).then_some(options.frame),
+            precision: if matches!(engine, Engine::Cpu) { Precision::F32 } else { options.precision },
             device: engine.gpu().unwrap_or_else(cpu_name),
             threads: rayon::current_num_threads(),
         }

@@ -1,6 +1,6 @@
 //! evaluate, host side: a frame's patches and meshlets as `kernels/abi.h` describes them.
 
-use super::precision::{Arithmetic, Kernel};
+use super::precision::{Arithmetic, Hull, Kernel};
 use super::scan::scan;
 use super::session::{Geometry, Session};
 use super::{Argument, Buffer, Gpu, GpuError, Pointer, Shape, abi};
@@ -86,6 +86,37 @@ impl Staged {
         self.leaves.get(patch).and_then(|leaf| Arithmetic::numbered(leaf.arithmetic)).unwrap_or_default()
     }
 
+    /// The same in f32.
+    pub fn single(&self) -> Self {
+        let mut single = self.clone();
+        single.leaves.iter_mut().for_each(|leaf| leaf.arithmetic = Arithmetic::F32 as u16);
+        single
+    }
+
+    /// How far vertices are from those in f32, in place and in depth: the largest part of what the bounds of both arithmetics,
+    /// and snapping, allow.
+    pub fn off(&self, found: &[abi::Vertex], single: &[abi::Vertex]) -> f64 {
+        let mut most = 0.0_f64;
+        for meshlet in &self.meshlets {
+            let number = meshlet.patch as usize;
+            let patch = &self.patches[number];
+            let points: usize = patch.degree.iter().map(|&d| usize::from(d) + 1).product();
+            let hull = Hull::new(&self.view, patch, &self.nets[patch.net as usize..][..points]);
+            let bounds = [self.arithmetic(number), Arithmetic::F32].map(|a| a.bound(&hull));
+            let place = f64::from(abi::SUBPIXELS) * bounds.iter().map(|b| b.place).sum::<f64>() + 1.0;
+            let depth = bounds.iter().map(|b| b.depth).sum::<f64>();
+            let vertices = meshlet.quads.iter().map(|&n| usize::from(n) + 1).product::<usize>();
+            let all = meshlet.vertices as usize..meshlet.vertices as usize + vertices;
+            for (a, b) in found[all.clone()].iter().zip(&single[all]) {
+                let apart = f64::from((a.x - b.x).abs().max((a.y - b.y).abs()));
+                let whole = if self.view.perspective != 0 { f64::from(a.depth.max(b.depth)) } else { 1.0 };
+                let deeper = f64::from((a.depth - b.depth).abs());
+                most = most.max(apart / place).max(deeper / (depth * whole));
+            }
+        }
+        most
+    }
+
     /// The kernels that evaluate all meshlets, each with its own, by degree and arithmetic of their patches.
     pub fn bins(&self) -> Vec<(String, Vec<abi::Meshlet>)> {
         let mut bins: BTreeMap<Kernel, Vec<abi::Meshlet>> = BTreeMap::new();
@@ -154,6 +185,29 @@ pub(crate) fn evaluate<G: Gpu>(
         session.launch(kernel, shape, &[view, &patches, &meshlets, &nets, &basis, &vertices, &count])?;
     }
     Ok(())
+}
+
+/// The vertices of all meshlets of a frame's lists.
+pub fn vertices<G: Gpu>(gpu: &mut G, staged: &Staged) -> Result<Vec<abi::Vertex>, GpuError> {
+    let mut session = Session::new(gpu);
+    let found = vertices_in(&mut session, staged);
+    session.free()?;
+    found
+}
+
+fn vertices_in<G: Gpu>(session: &mut Session<G>, staged: &Staged) -> Result<Vec<abi::Vertex>, GpuError> {
+    let geometry = Geometry {
+        view: staged.view,
+        patches: session.upload(&staged.patches)?,
+        leaves: session.upload(&staged.leaves)?,
+        nets: session.upload(&staged.nets)?,
+        basis: session.upload(&staged.basis)?,
+        meshlets: session.upload(&staged.meshlets)?,
+        vertices: None,
+    };
+    let vertices = session.allocate(staged.vertices)?;
+    evaluate(session, &geometry, &vertices)?;
+    session.download(&vertices)
 }
 
 pub(crate) fn view(lens: &Lens, options: &Options) -> abi::View {

@@ -20,7 +20,6 @@
 mod absent;
 mod device;
 mod error;
-mod evaluate;
 #[cfg(host_kernels)]
 mod ffi;
 mod memory;

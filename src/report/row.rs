@@ -1,6 +1,6 @@
 //! One measured run: what was asked for, on what machine, how long it took and how far off it was.
 
-use crate::stages::{Bound, Fill, FrameShape, Grid, Options, Stats, Trim};
+use crate::stages::{Bound, Fill, FrameShape, Grid, Options, Precision, Stats, Trim};
 use crate::verify::{ErrorStats, Report};
 use serde::{Deserialize, Serialize};
 
@@ -38,6 +38,8 @@ pub struct Setting {
     pub fill: Fill,
     #[serde(default)]
     pub trim: Trim,
+    #[serde(default)]
+    pub precision: Precision,
     pub refine: u32,
     /// Pixels.
     pub tolerance: f64,
@@ -177,6 +179,7 @@ impl From<&Options> for Setting {
             grid: o.grid,
             fill: o.fill,
             trim: o.trim,
+            precision: o.precision,
             refine: o.refine,
             tolerance: o.tolerance,
             depth_tolerance: o.depth_tolerance,

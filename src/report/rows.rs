@@ -127,6 +127,7 @@ fn setting_columns(c: &mut Vec<Column>) {
     add(c, "grid", |r| name(r.setting.grid).into());
     add(c, "fill", |r| name(r.setting.fill).into());
     add(c, "trim", |r| name(r.setting.trim).into());
+    add(c, "precision", |r| name(r.setting.precision).into());
     add(c, "refine", |r| u64::from(r.setting.refine).into());
     add(c, "tolerance_px", |r| r.setting.tolerance.into());
     add(c, "depth_tolerance", |r| r.setting.depth_tolerance.into());

@@ -2,13 +2,14 @@
 
 use super::Options;
 use super::cull::{Culler, Leaves};
+use super::device::Engine;
 use super::estimate::estimate;
 use super::frame::{RenderError, Renderer};
 use super::lens::Lens;
 use super::topology::MAX_MESHLETS;
 use crate::cuda::cull::{Seen, rules};
 use crate::cuda::estimate::Stopped;
-use crate::cuda::evaluate::{Staged, view};
+use crate::cuda::evaluate::{Staged, vertices, view};
 use crate::cuda::scene::SceneOnDevice;
 use crate::cuda::session::Session;
 use crate::cuda::{Gpu, GpuError, abi, cull, estimate as grids, meshlets};
@@ -75,6 +76,25 @@ impl Renderer<'_> {
         session.free()?;
         scene.free(gpu)?;
         staged
+    }
+
+    /// How far the vertices that a device draws are from those in f32: the largest part of what bounds allow
+    /// ([`Staged::off`]). None on the CPU.
+    pub fn vertices_off(&mut self, camera: &Camera, options: &Options) -> Result<Option<f64>, RenderError> {
+        let mut engine = std::mem::take(&mut self.engine);
+        let off = match &mut engine {
+            Engine::Cpu => Ok(None),
+            Engine::Emulated(device) => self.vertices_off_on(&mut **device, camera, options).map(Some),
+            Engine::Cuda(stream) => self.vertices_off_on(&mut **stream, camera, options).map(Some),
+        };
+        self.engine = engine;
+        off
+    }
+
+    fn vertices_off_on<G: Gpu>(&self, gpu: &mut G, camera: &Camera, options: &Options) -> Result<f64, RenderError> {
+        let (staged, _) = self.staged_on(gpu, camera, options)?;
+        let found = vertices(gpu, &staged)?;
+        Ok(staged.off(&found, &vertices(gpu, &staged.single())?))
     }
 
     /// The CPU's own words for what stopped a device.

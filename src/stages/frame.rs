@@ -116,7 +116,7 @@ pub(super) enum Surface {
 #[derive(Debug)]
 pub struct Renderer<'a> {
     pub(super) scene: &'a Scene,
-    engine: Engine,
+    pub(super) engine: Engine,
     /// What the engine's device has of the scene.
     pub(super) resident: Option<SceneOnDevice>,
     clocks: &'static Clocks,

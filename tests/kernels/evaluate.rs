@@ -1,12 +1,10 @@
 //! evaluate by the GPU's kernels against evaluate by the CPU, on whole frames.
 
-use halfpixel::cuda::abi::SUBPIXELS;
-use halfpixel::cuda::precision::Hull;
+use halfpixel::cuda::evaluate::vertices;
 use halfpixel::emulated::{Device, Schedule};
 use halfpixel::import;
 use halfpixel::scene::{ViewSpec, prepare};
-use halfpixel::stages::{Bound, Options, Renderer};
-use halfpixel::stages::{FrameShape, Precision};
+use halfpixel::stages::{Bound, FrameShape, Options, Precision, Renderer};
 use std::collections::BTreeSet;
 
 /// All degrees up to 25, mixed ones, rational and polynomial, trimmed, split by a near plane; tiny, far away, degenerate.
@@ -30,7 +28,7 @@ fn evaluate_gives_the_same_words() {
             let (staged, expected) = renderer.staged(&camera, &options).expect("a frame");
             kernels.extend(staged.bins().into_iter().map(|(kernel, _)| kernel));
             for schedule in [Schedule::default(), Schedule::adversarial()[3]] {
-                let found = Device::new(schedule, 2).evaluate(&staged).expect("no fault");
+                let found = vertices(&mut Device::new(schedule, 2), &staged).expect("no fault");
                 assert!(!found.is_empty());
                 assert_eq!(found, expected, "{name}, {bound:?}, orthographic: {orthographic}");
             }
@@ -59,21 +57,9 @@ fn cheaper_arithmetic_stays_within_its_bounds() {
         let options = Options { tolerance, precision, frame: FrameShape::Staged, ..Options::default() };
         let (staged, expected) = Renderer::new(&scene).staged(&camera, &options).expect("a frame");
         kernels.extend(staged.bins().into_iter().map(|(kernel, _)| kernel));
-        let found = Device::default().evaluate(&staged).expect("no fault");
-        for meshlet in &staged.meshlets {
-            let patch = &staged.patches[meshlet.patch as usize];
-            let net = &staged.nets[patch.net as usize..];
-            let points = patch.degree.iter().map(|&d| usize::from(d) + 1).product();
-            let hull = Hull::new(&staged.view, patch, &net[..points]);
-            let bounds = [staged.arithmetic(meshlet.patch as usize), Default::default()].map(|a| a.bound(&hull));
-            let off = SUBPIXELS as f64 * bounds.iter().map(|b| b.place).sum::<f64>() + 1.0;
-            let vertices = meshlet.quads.iter().map(|&n| usize::from(n) + 1).product::<usize>();
-            for k in (0..vertices).map(|k| meshlet.vertices as usize + k) {
-                let [a, b] = [&found[k], &expected[k]];
-                let apart = [a.x - b.x, a.y - b.y].map(|d| f64::from(d.abs()));
-                assert!(apart.iter().all(|&d| d <= off), "{name}: {a:?}, {b:?}, {off} sub-pixels");
-            }
-        }
+        let found = vertices(&mut Device::default(), &staged).expect("no fault");
+        let off = staged.off(&found, &expected);
+        assert!(off > 0.0 && off <= 1.0, "{name}, {precision:?}: {off} of what is allowed");
     }
     let tensor = ["evaluate_f16", "evaluate_f16_recovered", "evaluate_tf32", "evaluate_tf32_recovered"];
     assert!(tensor.iter().all(|name| kernels.contains(*name)), "{kernels:?}");

@@ -19,19 +19,19 @@ pub struct Args {
 
 /// Pixels of two frames that are not the same.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Difference {
-    pixels: u64,
-    drawn: u64,
+pub(super) struct Difference {
+    pub(super) pixels: u64,
+    pub(super) drawn: u64,
     /// Visibility words: what most of the frame is made of.
-    words: u64,
+    pub(super) words: u64,
     /// Pixels that show another patch, or only one of which is background.
-    patches: u64,
+    pub(super) patches: u64,
     /// Largest difference of stored depth where both show the same patch.
     depth: f64,
     /// Of those: other stored parameters, by how much at most.
     parameters: u64,
     parameter: f64,
-    colors: u64,
+    pub(super) colors: u64,
     /// Largest difference of linear RGB.
     color: f64,
 }
@@ -94,7 +94,7 @@ fn configurations(ours: &Options) -> [Options; 3] {
 }
 
 impl Difference {
-    fn of(expected: &Frame, found: &Frame) -> Self {
+    pub(super) fn of(expected: &Frame, found: &Frame) -> Self {
         let [width, height] = expected.size();
         let mut all = Self { pixels: u64::from(width) * u64::from(height), ..Self::default() };
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {

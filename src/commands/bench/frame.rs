@@ -9,7 +9,7 @@ use crate::commands::source::prepare_model;
 use crate::model::repeated;
 use crate::report::{Cell, Errors, Measured, Outcome, Row, Summary, Table, name};
 use crate::scene::{Scene, ViewSpec};
-use crate::stages::{Bound, Engine, FrameShape, Grid, Options, Trim};
+use crate::stages::{Bound, Engine, FrameShape, Grid, Options, Precision, Trim};
 use anyhow::{Context, Result};
 
 #[derive(Clone, Debug, clap::Args)]
@@ -85,12 +85,16 @@ fn steps(last: u64) -> Vec<u64> {
     steps
 }
 
-/// Ours, the same in ETER's shape of a frame, and what ETER draws: as asked for, and of one model without trims too.
+/// Ours, the same in whatever precision is enough, in ETER's shape of a frame, and what ETER draws, on a device with its precision recovery: as asked for, and of
+/// one model without trims too.
 fn configurations(args: &Args, on_device: bool, copies: u64) -> Vec<Options> {
     let ours = args.frame.options();
     let staged = Options { frame: FrameShape::Staged, ..ours };
-    let eter = Options { bound: Bound::Eter, grid: Grid::Eter, ..staged };
-    let mut all = if on_device && staged != ours { vec![ours, staged, eter] } else { vec![ours, eter] };
+    let precision = if on_device { Precision::F16Recovered } else { ours.precision };
+    let eter = Options { bound: Bound::Eter, grid: Grid::Eter, precision, ..staged };
+    let auto = Options { precision: Precision::Auto, ..ours };
+    let mut all = if on_device { vec![ours, auto, staged, eter] } else { vec![ours, eter] };
+    all.extract_if(1..3, |other| *other == ours).for_each(drop);
     if copies == 1 {
         all.extend(all.clone().into_iter().map(|options| Options { trim: Trim::Off, ..options }));
     }
@@ -166,7 +170,8 @@ fn about(args: &Args, target: u64) -> String {
 fn label(row: &Row) -> String {
     let shape = row.frame.map_or(String::new(), |shape| format!(", {}", name(shape)));
     let trim = if row.setting.trim == Trim::Off { ", no trims" } else { "" };
-    format!("{}, {}{shape}{trim}", name(row.setting.bound), name(row.setting.grid))
+    let precision = row.frame.map_or(String::new(), |_| format!(", {}", name(row.setting.precision)));
+    format!("{}, {}{shape}{precision}{trim}", name(row.setting.bound), name(row.setting.grid))
 }
 
 fn breakdown(rows: &[Row]) -> Table {

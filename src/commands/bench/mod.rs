@@ -7,6 +7,8 @@ mod fit;
 mod floor;
 mod frame;
 mod kernels;
+mod matrix;
+mod pairs;
 mod precision;
 mod quads;
 mod reading;
@@ -44,6 +46,8 @@ pub enum Suite {
     Evaluate(evaluate::Args),
     /// Whole frames of a model and of many copies of it, with ETER's configuration beside: its tables 4 and 6
     Frame(frame::Args),
+    /// Models x bounds x precisions x frames: does a backend keep what the CPU keeps?
+    Matrix(matrix::Args),
     /// Error against time of every arithmetic over the hard cases
     Precision(precision::Args),
     /// Quads and triangles of every bound against ETER's
@@ -63,6 +67,7 @@ impl Suite {
             Suite::Backends(args) => Some(&args.frame),
             Suite::Contract(args) => Some(&args.suite.frame),
             Suite::Frame(args) => Some(&args.frame),
+            Suite::Matrix(args) => Some(&args.frame),
             Suite::Quads(args) => Some(&args.frame),
             Suite::Speed(args) => Some(&args.frame),
             Suite::Evaluate(_) | Suite::Precision(_) | Suite::Reading(_) | Suite::Stability(_) => None,
@@ -108,6 +113,7 @@ pub fn run(args: Args) -> Result<ExitCode> {
         Suite::Contract(args) => contract::run(&args)?,
         Suite::Evaluate(args) => evaluate::run(&args)?,
         Suite::Frame(args) => frame::run(&args)?,
+        Suite::Matrix(args) => return matrix::run(&args),
         Suite::Precision(args) => precision::run(&args)?,
         Suite::Quads(args) => quads::run(&args)?,
         Suite::Reading(args) => reading::run(&args)?,
