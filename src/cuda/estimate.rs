@@ -118,8 +118,8 @@ pub(crate) fn estimate<G: Gpu>(
     seen: &Seen,
     visible: Buffer<abi::Visible>,
 ) -> Result<Leaves, Stopped> {
-    let estimated = grids(session, seen, visible)?;
-    let parts = split(session, seen, &estimated)?;
+    let estimated = session.group("grids", |session| grids(session, seen, visible))?;
+    let parts = session.group("split", |session| split(session, seen, &estimated))?;
     let (first_leaves, leaf_count) = scan(session, &estimated.leaf_counts)?;
     let (first_points, point_count) = scan(session, &estimated.point_counts)?;
     if leaf_count > u64::from(MAX_PARTS) || point_count > u64::from(u32::MAX) {
@@ -158,7 +158,7 @@ pub(crate) fn estimate<G: Gpu>(
             &[&parts.count, &from.0, &from.1, &from.2, &from.3, &firsts, &points, &lists.0, &lists.1, &lists.2],
         )?;
     }
-    let basis = basis::tables(session, &patches, scene.degree)?;
+    let basis = session.group("basis", |session| basis::tables(session, &patches, scene.degree))?;
     let patches_visible = u64::from(count - estimated.split + parts.visible);
     Ok(Leaves { patches, leaves, nets, basis, patches_visible })
 }

@@ -77,7 +77,7 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
 
     fn run(&mut self, input: &Input, ended: Ended) -> Result<Drawn, GpuError> {
         if let Some(vertices) = self.geometry.vertices {
-            evaluate(self.session, &self.geometry, &vertices)?;
+            self.session.group("vertices", |session| evaluate(session, &self.geometry, &vertices))?;
         }
         self.end("evaluate", ended)?;
         self.rasterize()?;
@@ -88,15 +88,25 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         self.end("fill", ended)?;
         let filled = self.shade(filled, input.trimmed)?;
         self.end("shade", ended)?;
-        Ok(Drawn {
-            near: self.session.download(&self.near)?,
-            parameters: self.session.download(&self.parameters)?,
-            color: self.session.download(&self.color)?,
-            shown: self.shown()?,
-            filled,
-            trim,
-            buffer_bytes: self.session.bytes(),
+        self.group("download", |stages| {
+            Ok(Drawn {
+                near: stages.session.download(&stages.near)?,
+                parameters: stages.session.download(&stages.parameters)?,
+                color: stages.session.download(&stages.color)?,
+                shown: stages.shown()?,
+                filled,
+                trim,
+                buffer_bytes: stages.session.bytes(),
+            })
         })
+    }
+
+    /// As [`Session::group`].
+    pub(super) fn group<R>(&mut self, name: &'static str, work: impl FnOnce(&mut Self) -> R) -> R {
+        self.session.open(name);
+        let result = work(self);
+        self.session.close();
+        result
     }
 
     /// By pixel, for whoever asks the finished frame.

@@ -164,4 +164,10 @@ pub trait Gpu {
 
     /// Milliseconds from one point to a later one, by the device's own clock; waits for it.
     fn between(&mut self, from: &Self::Mark, to: &Self::Mark) -> Result<f64, GpuError>;
+
+    /// What is launched until the matching [`Gpu::close`] belongs together, for profilers that show it under this name.
+    fn open(&mut self, _name: &'static str) {}
+
+    /// Ends the range that was opened last and is still open.
+    fn close(&mut self) {}
 }

@@ -16,7 +16,9 @@
 //! | `meshlets.rs` | the list of meshlets |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
 //! | `precision.rs` | the arithmetics of evaluation, and a bound of each one's error |
+//! | `ranges.rs` | names of stages and groups of launches, for profilers |
 //! | `rasterize.rs` | triangles and strokes |
+//! | `recorded.rs` | a device that tests look at |
 //! | `scan.rs` | prefix sums |
 //! | `scene.rs` | a scene in a device's memory |
 //! | `selection.rs` | which arithmetic a patch is evaluated in |
@@ -50,7 +52,10 @@ pub(crate) mod leaves;
 pub(crate) mod meshlets;
 mod module;
 pub mod precision;
+mod ranges;
 mod rasterize;
+#[cfg(test)]
+pub(crate) mod recorded;
 mod scan;
 pub mod scene;
 pub mod selection;

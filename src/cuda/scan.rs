@@ -17,9 +17,11 @@ pub(crate) fn scan<G: Gpu>(session: &mut Session<G>, numbers: &Buffer<u32>) -> R
     let sums = session.allocate::<u64>(tiles)?;
     let total = session.allocate::<u64>(1)?;
     let (out, sums) = (before.pointer(), sums.pointer());
-    session.launch("scan_tiles", Shape::row(tiles as u32, THREADS), &[&numbers.pointer(), &out, &sums, &count])?;
-    session.launch("scan_sums", Shape::row(1, THREADS), &[&sums, &(tiles as u32), &total.pointer()])?;
-    session.launch("scan_add", Shape::of(numbers.len(), THREADS), &[&out, &sums, &count])?;
-    let total = session.download(&total)?;
+    let total = session.group("scan", |session| {
+        session.launch("scan_tiles", Shape::row(tiles as u32, THREADS), &[&numbers.pointer(), &out, &sums, &count])?;
+        session.launch("scan_sums", Shape::row(1, THREADS), &[&sums, &(tiles as u32), &total.pointer()])?;
+        session.launch("scan_add", Shape::of(numbers.len(), THREADS), &[&out, &sums, &count])?;
+        session.download(&total)
+    })?;
     Ok((before, total.first().copied().unwrap_or(0)))
 }

@@ -1,6 +1,7 @@
 //! One frame's use of a device: buffers that are freed together, and launches that all begin with the frame's geometry.
 
 use super::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape, abi};
+use crate::stages::STAGES;
 
 /// Threads a block of kernels that give a thread to each pixel, or to each entry of a list.
 pub(crate) const THREADS: u32 = 128;
@@ -13,6 +14,8 @@ pub(crate) struct Session<'g, G: Gpu> {
     owned: Vec<Buffer<u8>>,
     /// Where the frame began and its stages ended.
     marks: Vec<G::Mark>,
+    /// Ranges that are open for profilers.
+    open: usize,
 }
 
 /// What `GEOMETRY` in kernels/topology.cuh names.
@@ -30,7 +33,7 @@ pub(crate) struct Geometry {
 
 impl<'g, G: Gpu> Session<'g, G> {
     pub fn new(gpu: &'g mut G) -> Self {
-        Self { gpu, owned: Vec::new(), marks: Vec::new() }
+        Self { gpu, owned: Vec::new(), marks: Vec::new(), open: 0 }
     }
 
     fn own<T: Pod>(&mut self, buffer: Buffer<T>) -> Buffer<T> {
@@ -113,13 +116,40 @@ impl<'g, G: Gpu> Session<'g, G> {
     /// From here the first stage is timed.
     pub fn begin(&mut self) -> Result<(), GpuError> {
         self.marks = vec![self.gpu.mark()?];
+        self.open("frame");
+        self.open(STAGES[0]);
         Ok(())
     }
 
-    /// A stage ends: what was launched has ended.
+    /// A stage ends: what was launched has ended. The next one begins.
     pub fn finish(&mut self) -> Result<(), GpuError> {
         self.marks.push(self.gpu.mark()?);
-        self.gpu.finish()
+        self.gpu.finish()?;
+        self.close();
+        if let Some(next) = STAGES.get(self.marks.len() - 1) {
+            self.open(next);
+        }
+        Ok(())
+    }
+
+    /// What `work` launches is one group for profilers.
+    pub fn group<R>(&mut self, name: &'static str, work: impl FnOnce(&mut Self) -> R) -> R {
+        self.open(name);
+        let result = work(self);
+        self.close();
+        result
+    }
+
+    pub(super) fn open(&mut self, name: &'static str) {
+        self.open += 1;
+        self.gpu.open(name);
+    }
+
+    pub(super) fn close(&mut self) {
+        if self.open > 0 {
+            self.open -= 1;
+            self.gpu.close();
+        }
     }
 
     /// Milliseconds of each stage since [`Session::begin`], by the device's own clock.
@@ -127,8 +157,11 @@ impl<'g, G: Gpu> Session<'g, G> {
         self.marks.windows(2).map(|pair| self.gpu.between(&pair[0], &pair[1])).collect()
     }
 
-    /// Frees everything; a failed frame's memory too.
+    /// Frees everything and ends the frame's ranges; a failed frame's too.
     pub fn free(&mut self) -> Result<(), GpuError> {
+        while self.open > 0 {
+            self.close();
+        }
         self.owned.drain(..).try_for_each(|buffer| self.gpu.free(buffer))
     }
 }

@@ -17,7 +17,7 @@ impl<G: Gpu> Stages<'_, '_, G> {
                 filled.count as usize,
                 &[&self.geometry.view, &filled.list.pointer(), &filled.count],
             )?;
-            self.settle(filled, true)?;
+            self.group("settle filled", |stages| stages.settle(filled, true))?;
         } else if refine > 0 {
             let (near, list) = (self.near.pointer(), filled.list.pointer());
             self.session.for_each_in(
@@ -27,11 +27,12 @@ impl<G: Gpu> Stages<'_, '_, G> {
                 &[&near, &list, &filled.count],
             )?;
         }
-        let doubts = self.shade_pixels(if exact && doubtful { DOUBTS } else { 0 })?;
+        let room = if exact && doubtful { DOUBTS } else { 0 };
+        let doubts = self.group("pixels", |stages| stages.shade_pixels(room))?;
         let mut lists = vec![filled];
         if exact {
             self.slots = self.session.zeroed(self.pixels())?;
-            self.settle(doubts, false)?;
+            self.group("settle doubts", |stages| stages.settle(doubts, false))?;
             self.shade_filled(filled)?;
             self.shade_filled(doubts)?;
             lists.push(doubts);

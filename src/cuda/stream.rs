@@ -1,6 +1,7 @@
 //! A GPU as the frame uses it: one stream on one device, and its memory.
 
 use super::gpu::bytes_of;
+use super::ranges::Ranges;
 use super::{Argument, Buffer, CudaError, Device, Gpu, GpuError, Kernels, OLDEST_DEVICE, Pod, Pointer, Shape, devices};
 use cudarc::driver::{CudaEvent, CudaFunction, CudaSlice, CudaStream, DevicePtr, result, sys};
 use foldhash::{HashMap, HashMapExt};
@@ -18,6 +19,7 @@ pub struct Stream {
     memory: Vec<Option<CudaSlice<u8>>>,
     unused: Vec<usize>,
     functions: HashMap<String, CudaFunction>,
+    ranges: Ranges,
 }
 
 impl Stream {
@@ -35,6 +37,7 @@ impl Stream {
             memory: Vec::new(),
             unused: Vec::new(),
             functions: HashMap::new(),
+            ranges: Ranges::new(),
         })
     }
 
@@ -160,5 +163,13 @@ impl Gpu for Stream {
     fn between(&mut self, from: &CudaEvent, to: &CudaEvent) -> Result<f64, GpuError> {
         let ms = from.elapsed_ms(to).map_err(CudaError::of_driver("timing by CUDA events"))?;
         Ok(ms.into())
+    }
+
+    fn open(&mut self, name: &'static str) {
+        self.ranges.open(name);
+    }
+
+    fn close(&mut self) {
+        self.ranges.close();
     }
 }

@@ -1,9 +1,7 @@
 //! Rows as files: a short table to read, a wide one to compute with, and JSON that reads back.
 
 use super::{Cell, Errors, Measured, Outcome, Row, Spread, Summary, Table};
-
-/// The stages that get a column of their own (DESIGN section 1).
-const STAGES: [&str; 7] = ["cull", "estimate", "evaluate", "rasterize", "trim", "fill", "shade"];
+use crate::stages::STAGES;
 
 /// The name the command line uses for an option's value.
 pub fn name(value: impl clap::ValueEnum) -> String {

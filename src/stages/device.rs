@@ -141,3 +141,78 @@ impl Renderer<'_> {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cuda::recorded::{Event, Recorded};
+    use crate::import;
+    use crate::scene::{Scene, ViewSpec, prepare};
+    use crate::stages::{FrameShape, STAGES};
+
+    fn scene() -> Scene {
+        prepare(&import::load("builtin:trimmed:plate").expect("a model"), &|_, _| {}).expect("a scene")
+    }
+
+    /// The ranges that each launch was in; all are closed in the end.
+    fn paths(events: &[Event]) -> Vec<(Vec<&'static str>, &str)> {
+        let (mut open, mut paths) = (Vec::new(), Vec::new());
+        for event in events {
+            match event {
+                Event::Open(name) => open.push(*name),
+                Event::Launch(kernel) => paths.push((open.clone(), kernel.as_str())),
+                Event::Close => assert!(open.pop().is_some(), "more ends than beginnings: {events:?}"),
+            }
+        }
+        assert!(open.is_empty(), "{open:?} never end: {events:?}");
+        paths
+    }
+
+    fn draw(scene: &Scene, frame: FrameShape, gpu: &mut Recorded) -> Result<Frame, RenderError> {
+        let view = ViewSpec { size: [16, 12], ..ViewSpec::default() };
+        let options = Options { frame, ..Options::default() };
+        Renderer::new(scene).render_on(gpu, &view.camera(&scene.bounds).expect("a camera"), &options)
+    }
+
+    #[test]
+    fn profilers_see_the_stages_of_a_frame() {
+        let scene = scene();
+        for frame in [FrameShape::Staged, FrameShape::Fused] {
+            let mut gpu = Recorded::default();
+            if emulated::missing().is_some() {
+                return;
+            }
+            let found = draw(&scene, frame, &mut gpu).expect("a frame");
+            let paths = paths(&gpu.events);
+            assert!(paths.iter().all(|(path, _)| path[0] == "frame" && path.len() >= 2), "{paths:?}");
+            let mut stages: Vec<&str> = paths.iter().map(|(path, _)| path[1]).collect();
+            stages.dedup();
+            assert_eq!(stages[..7], STAGES);
+            assert_eq!(stages[7..], ["download"]);
+            assert_eq!(found.stats.stages.iter().map(|s| s.stage).collect::<Vec<_>>(), STAGES);
+            let has = |path: &[&str], kernel: &str| {
+                assert!(paths.iter().any(|(p, k)| p == path && *k == kernel), "no {kernel} in {path:?}: {paths:?}");
+            };
+            has(&["frame", "cull"], "cull_patches");
+            has(&["frame", "estimate", "grids"], "estimate_patches_screen");
+            has(&["frame", "evaluate", "meshlets", "scan"], "scan_tiles");
+            has(&["frame", "trim"], "trim_meshlets");
+            has(&["frame", "shade", "pixels"], "shade_pixels");
+        }
+    }
+
+    #[test]
+    fn ranges_of_a_failed_frame_end() {
+        let scene = scene();
+        let mut whole = Recorded::default();
+        if emulated::missing().is_some() {
+            return;
+        }
+        draw(&scene, FrameShape::Staged, &mut whole).expect("a frame");
+        for launches in 0..whole.kernels().count() {
+            let mut gpu = Recorded { launches: Some(launches), ..Recorded::default() };
+            draw(&scene, FrameShape::Staged, &mut gpu).expect_err("a launch fails");
+            assert_eq!(paths(&gpu.events).len(), launches);
+        }
+    }
+}

@@ -54,7 +54,7 @@ impl Renderer<'_> {
         let leaves = grids::estimate(session, &seen, visible).map_err(why)?;
         session.finish()?;
         ended("estimate");
-        let meshlets = meshlets::meshlets(session, &seen, &leaves).map_err(why)?;
+        let meshlets = session.group("meshlets", |session| meshlets::meshlets(session, &seen, &leaves)).map_err(why)?;
         Ok(DeviceGeometry { leaves, meshlets })
     }
 
@@ -68,6 +68,7 @@ impl Renderer<'_> {
         self.check(options)?;
         let scene = SceneOnDevice::upload(gpu, self.scene)?;
         let mut session = Session::new(gpu);
+        session.begin()?;
         let geometry = self.geometry_on(&mut session, &scene, camera, options, &mut |_| {});
         let staged = geometry.and_then(|geometry| {
             let staged = download(&mut session, &geometry)?;

@@ -38,5 +38,5 @@ pub use device::Engine;
 pub use device_geometry::GeometryCounts;
 pub use frame::{Frame, Pixel, RenderError, Renderer};
 pub use options::{Bound, Cull, Fill, FrameShape, Grid, Interpolation, Options, Precision, Show, Trim};
-pub use stats::{StageTime, Stats};
+pub use stats::{STAGES, StageTime, Stats};
 pub use trim::TrimCounts;

@@ -4,6 +4,9 @@ use super::TrimCounts;
 use serde::Serialize;
 use std::time::Instant;
 
+/// The frame's stages, in their order (DESIGN section 1).
+pub const STAGES: [&str; 7] = ["cull", "estimate", "evaluate", "rasterize", "trim", "fill", "shade"];
+
 /// Wall-clock time of one stage.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StageTime {
