@@ -54,9 +54,6 @@ impl Renderer<'_> {
         camera: &Camera,
         options: &Options,
     ) -> Result<Frame, RenderError> {
-        if options.trim == Trim::Texture {
-            return Err(RenderError::NoTextures);
-        }
         let scene = match self.resident {
             Some(scene) => scene,
             None => *self.resident.insert(SceneOnDevice::upload(gpu, self.scene)?),
@@ -98,6 +95,7 @@ impl Renderer<'_> {
             shape: options.frame,
             trims: scene.trims(),
             trimmed: scene.trimmed,
+            textured: options.trim == Trim::Texture,
         };
         let drawn = frame::draw(session, &input, &mut |stage| clock.stage(stage))?;
         let filled = drawn.filled.iter().map(|&pixel| Filled { pixel, near: 0, start: None }).collect::<Vec<_>>();

@@ -14,8 +14,9 @@ use super::slefe;
 use super::stats::{Clock, Stats};
 use super::stroke::{Pen, sags};
 use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
-use super::trim::{textures, trim};
+use super::trim::trim;
 use super::trim_cut::gaps;
+use super::trim_texture::textures;
 use super::{Bound, Options, Trim};
 use crate::cuda::{self, GpuError, abi, evaluate::Staged, scene::SceneOnDevice};
 use crate::scene::{Camera, PatchTrim, Scene};
@@ -64,8 +65,6 @@ pub enum RenderError {
     ToleranceTooSmall { tolerance: f64, floor: f64 },
     #[error("the model is {size:e} units large; what is drawn in f32 measures 1e-30 to 1e30: scale it")]
     ModelSize { size: f64 },
-    #[error("--trim texture is drawn by the CPU alone: use --backend cpu")]
-    NoTextures,
     #[error(transparent)]
     Gpu(#[from] GpuError),
     #[error("the slefe bound covers polynomial patches up to degree 7; face {face} is {what}")]
@@ -196,7 +195,7 @@ impl<'a> Renderer<'a> {
             drawn: targets.near.par_iter().filter(|&&word| word != 0).count() as u64,
             trim,
             buffer_bytes: targets.bytes()
-                + shader.textures.iter().flatten().map(|t| t.bytes() as u64).sum::<u64>()
+                + trim.texture_bytes
                 + (meshlets.bytes() + size_of_val(&nets[..]) + size_of_val(&leaves[..])) as u64,
         };
         let surface = Surface::Grids { leaves, grids, meshlets };
