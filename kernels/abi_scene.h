@@ -66,6 +66,22 @@ struct TrimPoint {
     double w;
 };
 
+/// One leaf's texture of `--trim texture`: rows of constant v, a bit a texel, in whole words of 32.
+struct alignas(16) TrimTexture {
+    /// Its first word in the list of all textures' words.
+    uint64_t first;
+    /// Texels in u and v; none where no loop cuts the leaf.
+    uint32_t size[2];
+};
+
+/// What the textures are, and what became of the fragments that were looked up.
+struct alignas(8) TextureCounts {
+    uint64_t tested;
+    uint64_t rejected;
+    /// Textures that would need more texels a side than they may have.
+    uint64_t too_coarse;
+};
+
 /// `Bound` in src/stages/options.rs.
 enum BoundRule : uint32_t {
     BOUND_SCREEN = 0,

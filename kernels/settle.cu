@@ -90,12 +90,12 @@ static __device__ __forceinline__ void add(const View &view, const Geometry &in,
     }
 }
 
-static __device__ __forceinline__ bool belongs(const trims::Trims &trims, const View &view, const Leaf &leaf,
+static __device__ __forceinline__ bool belongs(const trims::Trims &trims, const View &view, const Leaf &leaf, uint32_t number,
                                                const refinement::Refined &r, bool reaching) {
     if (leaf.tree == NO_TREE) {
         return true;
     }
-    return reaching ? trims::keeps(trims, view, leaf, r) : trims::contains(trims, leaf, r.s, r.t);
+    return reaching ? trims::keeps(trims, view, leaf, number, r) : trims::contains(trims, leaf, r.s, r.t);
 }
 
 } // namespace settle
@@ -162,7 +162,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     const float depth = shading::stored_depth(view, surface.depth_origin + r.point.z);
     const bool found = r.residual <= fminf(shading::EXACT + border, shading::HALF_PIXEL) &&
                        depth > pixels[start.slot].behind && !r.faces_away(in.patches[start.patch].hidden);
-    if (found && settle::belongs(trims, view, leaf, r, reaching != 0)) {
+    if (found && settle::belongs(trims, view, leaf, start.patch, r, reaching != 0)) {
         starts[k].parameters[0] = r.s;
         starts[k].parameters[1] = r.t;
         starts[k].depth = depth;

@@ -92,7 +92,7 @@ static __device__ __forceinline__ bool keeps_stroke(const outlines::Drawn &d, co
     }
     const double2 s = interpolated(d, index, x, y);
     if (d.view.refine == 0 || d.view.fill != FILL_STROKE) {
-        return trims::contains(trims, d.leaf, s.x, s.y);
+        return trims::contains(trims, d.leaf, d.m.patch, s.x, s.y);
     }
     const topology::Primitive p = topology::primitive(d.m, d.patch.diagonal, index);
     // The pen's width, and as much again to what lies under the pixel's centre.
@@ -149,7 +149,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     const float2 target = refinement::target(view, leaf, x, y);
     const refinement::Refined r =
         refinement::refine(Surface::of(view, in, m.patch, false), view.refine, start.x, start.y, target.x, target.y);
-    if (trims::keeps(trims, view, leaf, r)) {
+    if (trims::keeps(trims, view, leaf, m.patch, r)) {
         keep_larger(near, pixel, word);
         return;
     }

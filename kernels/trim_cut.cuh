@@ -143,8 +143,31 @@ static __device__ __forceinline__ void kept(const Leaf &leaf, double gap, double
     half[2] = double(leaf.depth_tolerance) * (1.0 + half[0]);
 }
 
-// A refined point is inside the loops, or on the screen within a curve's gap and rounding of one.
-inline __device__ __noinline__ bool keeps(const Trims &trims, const View &view, const Leaf &leaf, const refinement::Refined &r) {
+// Texels a word of a texture.
+constexpr uint32_t WORD = 32;
+
+static __device__ __forceinline__ uint32_t words_across(const TrimTexture &texture) { return (texture.size[0] + WORD - 1) / WORD; }
+
+// The texel of a texture at leaf parameters; beyond the unit square the nearest one.
+static __device__ __forceinline__ bool contains(const Trims &trims, const TrimTexture &texture, double s, double t) {
+    const double x = s * double(texture.size[0]), y = t * double(texture.size[1]);
+    const uint32_t column = x > 0.0 ? min(uint32_t(min(x, 65536.0)), texture.size[0] - 1) : 0;
+    const uint32_t row = y > 0.0 ? min(uint32_t(min(y, 65536.0)), texture.size[1] - 1) : 0;
+    const uint64_t word = texture.first + uint64_t(row) * words_across(texture) + column / WORD;
+    return (trims.texels[word] >> column % WORD & 1) != 0;
+}
+
+// A point of a leaf that is shown as it is: by its number's texture, if there is one.
+static __device__ __forceinline__ bool contains(const Trims &trims, const Leaf &leaf, uint32_t number, double s, double t) {
+    return trims.textures ? contains(trims, trims.textures[number], s, t) : contains(trims, leaf, s, t);
+}
+
+// A refined point of the leaf with this number is inside the loops, or on the screen within a curve's gap and rounding of one.
+inline __device__ __noinline__ bool keeps(const Trims &trims, const View &view, const Leaf &leaf, uint32_t number,
+                                          const refinement::Refined &r) {
+    if (trims.textures) {
+        return contains(trims, trims.textures[number], r.s, r.t);
+    }
     const PlanePoint p = to_plane(leaf, r.s, r.t);
     if (contains(trims, leaf.tree, p)) {
         return true;
@@ -163,8 +186,8 @@ inline __device__ __noinline__ bool keeps(const Trims &trims, const View &view, 
     kept(leaf, trims.trees[leaf.tree].gap, half);
     const PlanePoint reach = preimage(image, half);
     const Box within = {{p.u - reach.u, p.v - reach.v}, {p.u + reach.u, p.v + reach.v}};
-    return visit(trims, leaf.tree, within, [&](uint32_t segment) {
-        const Curve curve(trims, segment);
+    return visit(trims, leaf.tree, within, [&](const TrimClip &clip) {
+        const Curve curve(trims, clip.segment);
         double half[3];
         kept(leaf, curve.gap, half);
         return curve.bounds().touches(within) && comes_near(curve, image, half);

@@ -6,13 +6,16 @@
 
 namespace trims {
 
-// The lists of all trees: `TrimsOnDevice` in src/cuda/trims.rs.
+// The lists of all trees: `TrimsOnDevice` in src/cuda/trims.rs. And by leaf the textures of `--trim texture`, with their words;
+// else null.
 struct Trims {
     Buffer<const TrimTree> trees;
     Buffer<const TrimNode> nodes;
     Buffer<const TrimClip> clips;
     Buffer<const TrimSegment> segments;
     Buffer<const TrimPoint> points;
+    Buffer<const TrimTexture> textures;
+    Buffer<const uint32_t> texels;
 };
 
 struct PlanePoint {
@@ -120,6 +123,42 @@ template <class Holds> static __device__ __noinline__ bool compares(const Curve 
     return holds(between(a, b, p.v), p.u);
 }
 
+// The place of the segment's u at height v, the end's where v is beyond one: `place` is a monotone function of u, and the segment
+// is followed no farther than its place takes.
+template <class Place> static __device__ inline uint32_t crossing(const Curve &c, double v, Place place) {
+    PlanePoint a = c.a, b = c.b;
+    if (v <= a.v) {
+        return place(a.u);
+    }
+    if (v >= b.v) {
+        return place(b.u);
+    }
+    double ta = 0.0, tb = 1.0;
+    for (int step = 0; c.count != 0 && step < STEPS; step++) {
+        const uint32_t here = place(a.u);
+        if (here == place(b.u)) {
+            return here;
+        }
+        const double width = b.v - a.v;
+        // As `compares` does.
+        const bool halve = step % 3 == 2 || width <= 0.0;
+        const double share = halve ? 0.5 : clamped((v - a.v) / width, 0.01, 0.99);
+        const double t = ta + (tb - ta) * share;
+        if (t == ta || t == tb) {
+            break;
+        }
+        const PlanePoint q = point_at(c, t);
+        if (q.v <= v) {
+            ta = t;
+            a = q;
+        } else {
+            tb = t;
+            b = q;
+        }
+    }
+    return place(between(a, b, v));
+}
+
 struct Greater {
     __device__ __forceinline__ bool operator()(double a, double b) const { return a > b; }
 };
@@ -169,7 +208,7 @@ inline __device__ __noinline__ bool contains(const Trims &t, uint32_t tree, Plan
     return inside;
 }
 
-// Calls `visit(segment)` for the clips in the cells that the closed box meets, lower cells first, until it says true; a
+// Calls `visit(clip)` for the clips in the cells that the closed box meets, lower cells first, until it says true; a
 // segment may come several times. Without a stack: one bit a level remembers which lower halves are done, and each cell is
 // found from the root (Laine, "Restart trail for stackless BVH traversal", 2010). `Builder` keeps trees below 64 levels.
 template <class Visit> static __device__ bool visit(const Trims &t, uint32_t tree, const Box &within, Visit visit) {
@@ -190,7 +229,7 @@ template <class Visit> static __device__ bool visit(const Trims &t, uint32_t tre
         }
         const uint32_t count = node.tag >> NODE_COUNT_SHIFT;
         for (uint32_t k = 0; k < count; k++) {
-            if (visit(t.clips[node.first + k].segment)) {
+            if (visit(t.clips[node.first + k])) {
                 return true;
             }
         }
@@ -205,7 +244,7 @@ template <class Visit> static __device__ bool visit(const Trims &t, uint32_t tre
 
 // Where a closed box lies: a `Region`.
 inline __device__ __noinline__ uint32_t classify(const Trims &t, uint32_t tree, const Box &within) {
-    if (visit(t, tree, within, [&](uint32_t segment) { return meets(Curve(t, segment), within); })) {
+    if (visit(t, tree, within, [&](const TrimClip &clip) { return meets(Curve(t, clip.segment), within); })) {
         return REGION_BOUNDARY;
     }
     const PlanePoint center = {within.low.u * 0.5 + within.high.u * 0.5, within.low.v * 0.5 + within.high.v * 0.5};

@@ -191,8 +191,9 @@ fn a_backend_that_is_asked_for_is_used_or_refused() {
     }
     if halfpixel::emulated::missing().is_none() {
         assert_eq!(json(&with("emulated"))["backend"], "emulated");
-        let texture = ["verify", "builtin:trimmed:drilled", "--backend", "emulated", "--trim", "texture"];
-        assert!(error_line(&texture, 1).contains("use --backend cpu"));
+        let texture =
+            ["render", "builtin:trimmed:drilled", "-o", &image, "--size", "32x32", "--trim", "texture", "--json"];
+        assert_eq!(json(&[&texture[..], &["--backend", "emulated"]].concat())["backend"], "emulated");
     }
     assert!(error_line(&["verify", "builtin:sphere", "--frame", "staged"], 2).contains("--backend cuda"));
     if halfpixel::cuda::missing().is_empty() {

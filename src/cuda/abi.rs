@@ -632,6 +632,50 @@ const _: () = {
     ["Offset of field: TrimPoint::y"][::core::mem::offset_of!(TrimPoint, y) - 8usize];
     ["Offset of field: TrimPoint::w"][::core::mem::offset_of!(TrimPoint, w) - 16usize];
 };
+/// One leaf's texture of `--trim texture`: rows of constant v, a bit a texel, in whole words of 32.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct TrimTexture {
+    /// Its first word in the list of all textures' words.
+    pub first: u64,
+    /// Texels in u and v; none where no loop cuts the leaf.
+    pub size: [u32; 2usize],
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of TrimTexture"][::core::mem::size_of::<TrimTexture>() - 16usize];
+    ["Alignment of TrimTexture"][::core::mem::align_of::<TrimTexture>() - 16usize];
+    [
+        "Offset of field: TrimTexture::first",
+    ][::core::mem::offset_of!(TrimTexture, first) - 0usize];
+    [
+        "Offset of field: TrimTexture::size",
+    ][::core::mem::offset_of!(TrimTexture, size) - 8usize];
+};
+/// What the textures are, and what became of the fragments that were looked up.
+#[repr(C)]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct TextureCounts {
+    pub tested: u64,
+    pub rejected: u64,
+    /// Textures that would need more texels a side than they may have.
+    pub too_coarse: u64,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of TextureCounts"][::core::mem::size_of::<TextureCounts>() - 24usize];
+    ["Alignment of TextureCounts"][::core::mem::align_of::<TextureCounts>() - 8usize];
+    [
+        "Offset of field: TextureCounts::tested",
+    ][::core::mem::offset_of!(TextureCounts, tested) - 0usize];
+    [
+        "Offset of field: TextureCounts::rejected",
+    ][::core::mem::offset_of!(TextureCounts, rejected) - 8usize];
+    [
+        "Offset of field: TextureCounts::too_coarse",
+    ][::core::mem::offset_of!(TextureCounts, too_coarse) - 16usize];
+};
 pub mod BoundRule {
     #[allow(unused_imports)]
     use super::*;

@@ -31,6 +31,8 @@ pub(crate) struct Input {
     /// The scene has trims: meshlets may have to be tested, and pixels whose exact depth is not what was taken for it are in
     /// doubt.
     pub trimmed: bool,
+    /// By textures.
+    pub textured: bool,
 }
 
 /// Draws it; `ended` is told where stages end.
@@ -82,7 +84,11 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         self.end("evaluate", ended)?;
         self.rasterize()?;
         self.end("rasterize", ended)?;
-        let trim = if input.trimmed { self.trim()? } else { TrimCounts::default() };
+        let trim = match (input.trimmed, input.textured) {
+            (false, _) => TrimCounts::default(),
+            (true, false) => self.trim()?,
+            (true, true) => self.trim_by_textures()?,
+        };
         self.end("trim", ended)?;
         let filled = self.fill()?;
         self.end("fill", ended)?;

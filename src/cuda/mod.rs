@@ -28,6 +28,7 @@
 //! | `stream.rs` | a GPU as a frame uses it |
 //! | `surfaces.rs` | patches for the kernels that evaluate points with normals |
 //! | `trim.rs` | the meshlets that trim curves cross |
+//! | `trim_texture.rs` | the same by a texture for each leaf |
 //! | `trims.rs` | trim trees in a device's memory |
 //!
 //! libcuda is opened when it is first asked for: the program starts where there is no driver.
@@ -67,6 +68,7 @@ mod shade;
 mod stream;
 pub mod surfaces;
 mod trim;
+mod trim_texture;
 pub mod trims;
 
 pub use device::{Device, Driver, devices, driver};

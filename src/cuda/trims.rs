@@ -15,7 +15,7 @@ pub struct TrimsOnDevice {
     points: Buffer<abi::TrimPoint>,
 }
 
-/// What kernels get of them: `trims::Trims`.
+/// What kernels get of them: `trims::Trims`. Textures are null but by `--trim texture`, and words of all textures with them.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct TrimPointers {
@@ -24,9 +24,18 @@ pub struct TrimPointers {
     clips: Pointer<abi::TrimClip>,
     segments: Pointer<abi::TrimSegment>,
     points: Pointer<abi::TrimPoint>,
+    textures: Pointer<abi::TrimTexture>,
+    texels: Pointer<u32>,
 }
 
 pods!(abi::TrimTree abi::TrimNode abi::TrimClip abi::TrimSegment abi::TrimPoint TrimPointers);
+
+impl TrimPointers {
+    /// With a frame's textures, by leaf.
+    pub(super) fn with_textures(self, textures: &Buffer<abi::TrimTexture>, texels: &Buffer<u32>) -> Self {
+        Self { textures: textures.pointer(), texels: texels.pointer(), ..self }
+    }
+}
 
 impl TrimsOnDevice {
     pub fn upload<G: Gpu>(gpu: &mut G, trims: &Trims) -> Result<Self, GpuError> {
@@ -48,6 +57,8 @@ impl TrimsOnDevice {
             clips: self.clips.pointer(),
             segments: self.segments.pointer(),
             points: self.points.pointer(),
+            textures: Pointer::NULL,
+            texels: Pointer::NULL,
         }
     }
 

@@ -153,7 +153,8 @@ impl Part {
         let segment: &Segment = &trims.segments[self.segment as usize];
         let other = 1 - axis;
         let [a, b] = self.ends;
-        let value = segment.crossing(&trims.points, axis, at).clamp(a[other].min(b[other]), a[other].max(b[other]));
+        let value = segment.crossing(&trims.points, axis, at, |value| value);
+        let value = value.clamp(a[other].min(b[other]), a[other].max(b[other]));
         if axis == 0 { [at, value] } else { [value, at] }
     }
 

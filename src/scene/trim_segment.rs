@@ -141,22 +141,26 @@ impl Segment {
         otherwise([a, b])
     }
 
-    /// The other coordinate where coordinate `axis` is `x`; what is beyond an end gives that end.
-    pub fn crossing(&self, points: &[DVec3], axis: usize, x: f64) -> f64 {
+    /// The other coordinate where coordinate `axis` is `x`; what is beyond an end gives that end. Told as a `place`, a
+    /// monotone function of it: the segment is followed no farther than its place takes.
+    pub fn crossing<T: PartialEq>(&self, points: &[DVec3], axis: usize, x: f64, place: impl Fn(f64) -> T) -> T {
         let [a, b] = self.ends;
         let other = 1 - axis;
         let (low, high) = if a[axis] <= b[axis] { (a, b) } else { (b, a) };
         if x <= low[axis] {
-            return low[other];
+            return place(low[other]);
         }
         if x >= high[axis] {
-            return high[other];
+            return place(high[other]);
         }
         if self.count == 0 {
-            return between(a, b, axis, x);
+            return place(between(a, b, axis, x));
         }
-        let middle = |[a, b]: [[f64; 2]; 2]| between(a, b, axis, x);
-        self.follow(points, axis, x, |[a, b]| (a[other] == b[other]).then_some(a[other]), middle)
+        let decided = |[a, b]: [[f64; 2]; 2]| {
+            let here = place(a[other]);
+            (here == place(b[other])).then_some(here)
+        };
+        self.follow(points, axis, x, decided, |[a, b]| place(between(a, b, axis, x)))
     }
 
     /// The segment passes the height `v`, within its ends', at a larger u than `u`.

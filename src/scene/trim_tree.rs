@@ -277,30 +277,33 @@ impl<'a> TrimTree<'a> {
         self.any(within, &mut |s| s.bounds().touches(within) && s.comes_near(&self.trims.points, image, half(s.gap)))
     }
 
-    /// Heights of the curves between the parameters `u`, sorted, at height `v`: the crossings of a row of a texture.
-    pub fn crossings(&self, v: f64, crossings: &mut Vec<f64>) {
-        crossings.clear();
+    /// Calls `crossed` with the place of every crossing of the curves with height `v`, an even number of times in no order.
+    /// `place` is a monotone function of u.
+    pub fn crossings<T: PartialEq>(&self, v: f64, place: impl Fn(f64) -> T, crossed: &mut impl FnMut(T)) {
         let bounds = self.tree.bounds;
         let row = ParameterBox { low: [bounds.low[0], v], high: [bounds.high[0], v] };
-        self.visit(&row, &mut |clips: &[Clip], cell: &ParameterBox| {
+        self.visit(&row, &mut |clips: &[Clip], _: &ParameterBox| {
             for clip in clips.iter().filter(|c| c.spans(v)) {
-                let u = self.segment(clip).crossing(&self.trims.points, 1, v);
-                crossings.push(u.clamp(cell.low[0], cell.high[0]));
+                crossed(self.segment(clip).crossing(&self.trims.points, 1, v, &place));
             }
             false
         });
-        crossings.sort_unstable_by(f64::total_cmp);
     }
 
-    /// Calls `strip` with the range of u over which each curve runs between two heights; a curve may come several times.
-    pub fn strips(&self, [low, high]: [f64; 2], strip: &mut impl FnMut(f64, f64)) {
+    /// Calls `strip` with the places between which each curve runs, from its lower end, between two heights; a curve may come
+    /// several times. `place` is a monotone function of u.
+    pub fn strips<T: PartialEq>(
+        &self,
+        [low, high]: [f64; 2],
+        place: impl Fn(f64) -> T,
+        strip: &mut impl FnMut([T; 2]),
+    ) {
         let (low, high) = (low.min(high), low.max(high));
         let bounds = self.tree.bounds;
         let row = ParameterBox { low: [bounds.low[0], low], high: [bounds.high[0], high] };
         self.any(&row, &mut |s| {
             if s.bounds().touches(&row) {
-                let [a, b] = [low, high].map(|v| s.crossing(&self.trims.points, 1, v));
-                strip(a.min(b), a.max(b));
+                strip([low, high].map(|v| s.crossing(&self.trims.points, 1, v, &place)));
             }
             false
         });

@@ -63,9 +63,6 @@ impl Renderer<'_> {
         camera: &Camera,
         options: &Options,
     ) -> Result<Frame, RenderError> {
-        if options.trim == Trim::Texture {
-            return Err(RenderError::NoTextures);
-        }
         if options.show != Show::Shaded && options.precision != Precision::F32 {
             return Err(RenderError::NotExplained);
         }
@@ -98,8 +95,12 @@ impl Renderer<'_> {
         let DeviceGeometry { leaves, meshlets } = geometry;
         let all = leaves.geometry(&view(&Lens::new(camera), options), meshlets.meshlets);
         let vertices = memory(session, &all, options, meshlets.vertices)?;
-        let input =
-            Input { geometry: device::Geometry { vertices, ..all }, trims: scene.trims(), trimmed: scene.trimmed };
+        let input = Input {
+            geometry: device::Geometry { vertices, ..all },
+            trims: scene.trims(),
+            trimmed: scene.trimmed,
+            textured: options.trim == Trim::Texture,
+        };
         let drawn = frame::draw(session, &input, &mut |stage| clock.stage(stage))?;
         let filled = drawn.filled.iter().map(|&pixel| Filled { pixel, near: 0, start: None }).collect::<Vec<_>>();
         let counts = TrimCounts { meshlets_outside, meshlets_inside, meshlets_boundary, ..TrimCounts::default() };

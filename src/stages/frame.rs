@@ -14,8 +14,9 @@ use super::slefe;
 use super::stats::{Clock, Stats};
 use super::stroke::{Pen, sags};
 use super::topology::{MAX_MESHLETS, depth_of, is_edge, meshlet_of};
-use super::trim::{textures, trim};
+use super::trim::trim;
 use super::trim_cut::gaps;
+use super::trim_texture::textures;
 use super::{Bound, FrameShape, Options, Precision, Trim};
 use crate::cuda::selection::{Clocks, Selection};
 use crate::cuda::{self, GpuError, abi, evaluate::Staged, scene::SceneOnDevice};
@@ -69,8 +70,6 @@ pub enum RenderError {
     NoTensorCores,
     #[error("pictures that explain a frame are painted of grids in f32: use --precision f32, or --show shaded")]
     NotExplained,
-    #[error("--trim texture is drawn by the CPU alone: use --backend cpu")]
-    NoTextures,
     #[error(transparent)]
     Gpu(#[from] GpuError),
     #[error("the slefe bound covers polynomial patches up to degree 7; face {face} is {what}")]
@@ -213,7 +212,7 @@ impl<'a> Renderer<'a> {
             drawn: targets.near.par_iter().filter(|&&word| word != 0).count() as u64,
             trim,
             buffer_bytes: targets.bytes()
-                + shader.textures.iter().flatten().map(|t| t.bytes() as u64).sum::<u64>()
+                + trim.texture_bytes
                 + (meshlets.bytes() + size_of_val(&nets[..]) + size_of_val(&leaves[..])) as u64,
         };
         let surface = Surface::Grids { leaves, grids, meshlets };

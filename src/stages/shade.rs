@@ -305,6 +305,11 @@ impl Shader<'_> {
         interpolate(self.meshlets, self.grids[leaf as usize].quads, word, pixel % width, pixel / width)
     }
 
+    /// Of a leaf, by `--trim texture`.
+    pub(super) fn texture(&self, leaf: u32) -> Option<&Texture> {
+        self.textures.get(leaf as usize)?.as_ref()
+    }
+
     /// A filled pixel as if it showed `word`.
     pub(super) fn surfel(&self, word: u64, filled: &Filled) -> Surfel {
         let leaf = self.meshlets.meshlets[meshlet_of(word) as usize].leaf;

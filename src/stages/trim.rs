@@ -3,13 +3,14 @@
 //! A fragment's interpolated parameters may be half a pixel off. Where all parameters that near lie on one side, that
 //! decides, for a whole triangle or for a block of pixels at once. Elsewhere the parameters are refined to the pixel's
 //! centre before the test, so that both faces at an edge cut at the same place; a point outside but within the model's
-//! own gap of a curve counts as inside, so that the faces meet.
+//! own gap of a curve counts as inside, so that the faces meet. `--trim texture` looks its textures up instead, at each
+//! fragment's interpolated parameters.
 
-use super::cull::Leaf;
 use super::estimate::Tessellation;
 use super::evaluate::Meshlet;
 use super::fill::is_tested_alone;
 use super::frame::Targets;
+use super::interpolate::Shown;
 use super::newton::{Batch, LANES};
 use super::rasterize::{BAND, Band, Bins, Coverage, faces_away, outlines};
 use super::settle::EXACT;
@@ -19,8 +20,7 @@ use super::topology::{FOLD, Primitive, depth_of, index_of, meshlet_of, primitive
 use super::trim_cut::{Cut, keeps};
 use super::trim_marks::{BLOCK, Line, Marks, Rows, each_bit, lines, lowest_run};
 use super::trim_quad::Quad;
-use super::trim_texture::Texture;
-use super::{Fill, Trim};
+use super::{Fill, trim_texture};
 use crate::scene::Region;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -37,8 +37,10 @@ pub struct TrimCounts {
     pub tested: u64,
     pub rejected: u64,
     pub proposed: u64,
-    /// `--trim texture`: textures that would need more texels a side than they may have, so that the tolerance is missed.
+    /// `--trim texture`: textures that would need more texels a side than they may have, so that the tolerance is missed; and
+    /// memory of all textures.
     pub textures_too_coarse: u64,
+    pub texture_bytes: u64,
 }
 
 impl TrimCounts {
@@ -51,6 +53,7 @@ impl TrimCounts {
             rejected: self.rejected + other.rejected,
             proposed: self.proposed + other.proposed,
             textures_too_coarse: self.textures_too_coarse + other.textures_too_coarse,
+            texture_bytes: self.texture_bytes + other.texture_bytes,
         }
     }
 }
@@ -69,20 +72,6 @@ struct Trimmer<'a> {
     curves: Vec<u32>,
 }
 
-/// The textures of `--trim texture`, by leaf; none otherwise.
-pub(super) fn textures(shader: &Shader) -> Vec<Option<Texture>> {
-    let Shader { scene, lens, options, leaves, nets, .. } = *shader;
-    if options.trim != Trim::Texture {
-        return Vec::new();
-    }
-    let texture = |leaf: &Leaf| {
-        let cut = Cut::new(scene, lens, options, leaf)?;
-        let net = &nets[leaf.net as usize..leaf.net as usize + leaf.points()];
-        Some(Texture::new(&cut, leaf, net, lens.perspective, options.tolerance))
-    };
-    leaves.par_iter().map(texture).collect()
-}
-
 /// Draws the meshlets that trim curves cross into the buffers that `rasterize` left.
 pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> TrimCounts {
     let width = shader.lens.size[0] as usize;
@@ -95,9 +84,9 @@ pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> Trim
     };
     let tested = meshlets.iter().enumerate().filter(|(_, m)| m.tested);
     let mut order: Vec<(f32, u32)> = tested.map(|(k, m)| (nearest(m), k as u32)).collect();
-    let textures_too_coarse = shader.textures.iter().flatten().filter(|t| t.is_too_coarse()).count() as u64;
+    let textures = trim_texture::counts(&shader.textures);
     if order.is_empty() {
-        return TrimCounts { textures_too_coarse, ..TrimCounts::default() };
+        return textures;
     }
     order.par_sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let bins = Bins::new(meshlets, order.iter().map(|&(_, k)| k), (shader.lens.size[1] as usize).div_ceil(BAND));
@@ -122,8 +111,7 @@ pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> Trim
     });
     let mut counts = counts.reduce(TrimCounts::default, TrimCounts::plus);
     counts.meshlets_boundary = order.len() as u64;
-    counts.textures_too_coarse = textures_too_coarse;
-    counts
+    counts.plus(textures)
 }
 
 impl Trimmer<'_> {
@@ -143,6 +131,12 @@ impl Trimmer<'_> {
                     }
                     let Some(coverage) = Coverage::new(&vertices, band) else { continue };
                     let id = word(0.0, number, first + k as u32);
+                    if let Some(texture) = self.shader.texture(meshlet.leaf) {
+                        let [tested, rejected] = texture.draw(&Shown::new(meshlets, quads, id), &coverage, id, band);
+                        self.counts.tested += tested;
+                        self.counts.rejected += rejected;
+                        continue;
+                    }
                     if !coverage.wins(id, band) {
                         continue;
                     }
@@ -185,7 +179,8 @@ impl Trimmer<'_> {
         let s = self.shader.interpolated(meshlet.leaf, fragment, pixel + band.rows[0] as u32 * band.width as u32);
         let s = s.map(f64::from);
         if is_tested_alone(options) {
-            let keeps = cut.tree.contains(cut.to_plane(s));
+            let texture = self.shader.texture(meshlet.leaf);
+            let keeps = texture.map_or_else(|| cut.tree.contains(cut.to_plane(s)), |texture| texture.contains(s));
             self.counts.tested += 1;
             self.counts.rejected += u64::from(!keeps);
             return keeps;
@@ -326,8 +321,7 @@ impl Trimmer<'_> {
                 [batch.s[k], batch.t[k]] = shader.interpolated(leaf, fragment, pixel + offset);
                 [batch.x[k], batch.y[k]] = shader.target(&shader.leaves[leaf as usize], pixel + offset);
             }
-            // A texture is as good as the interpolated parameters.
-            let rounds = if shader.options.trim == Trim::Texture { 0 } else { shader.options.refine };
+            let rounds = shader.options.refine;
             shader.refine(&surface, rounds, &mut batch);
             for (k, &(pixel, fragment)) in fragments.iter().enumerate() {
                 self.counts.tested += 1;

@@ -144,7 +144,7 @@ pub(super) fn region(cut: &Cut, grid: &Tessellation, meshlet: &Meshlet, vertices
 /// A refined point is inside the loops, or on the screen within a curve's gap and rounding of one.
 pub(super) fn keeps(shader: &Shader, leaf: u32, cut: &Cut, surface: &Surface, batch: &Batch, lane: usize) -> bool {
     let s = [batch.s[lane], batch.t[lane]].map(f64::from);
-    if let Some(Some(texture)) = shader.textures.get(leaf as usize) {
+    if let Some(texture) = shader.texture(leaf) {
         return texture.contains(s);
     }
     let p = cut.to_plane(s);

@@ -16,7 +16,7 @@ const TABLE: &str = "bench/results/kernel-resources.md";
 
 /// Kernels that keep something in local memory: Bernstein values of any degree beyond 3, what calls save, and registers
 /// where sub-pixels take 64 bits. And what few patches go through: comparison bounds, halvings, questions to trim trees.
-const MAY_STACK: [&str; 20] = [
+const MAY_STACK: [&str; 22] = [
     "cull_patches",
     "estimate_patches",
     "fill_list",
@@ -34,6 +34,8 @@ const MAY_STACK: [&str; 20] = [
     "stroke_corners",
     "stroke_narrow",
     "stroke_wide",
+    "texture_meshlets",
+    "texture_rows",
     "trim_fragments",
     "trim_meshlets",
     "trim_strokes",

@@ -3,7 +3,7 @@
 use halfpixel::emulated::{Device, Schedule};
 use halfpixel::import;
 use halfpixel::scene::{Scene, ViewSpec, prepare};
-use halfpixel::stages::{Bound, Engine, Fill, Frame, FrameShape, Options, Renderer};
+use halfpixel::stages::{Bound, Engine, Fill, Frame, FrameShape, Options, Renderer, TrimCounts};
 use std::path::{Path, PathBuf};
 
 const REAL: [&str; 8] = [
@@ -17,18 +17,18 @@ const REAL: [&str; 8] = [
     "ublox_ANN-MB-00_SMA.stp",
 ];
 
-fn scene(name: &str) -> Scene {
+pub fn scene(name: &str) -> Scene {
     prepare(&import::load(name).expect("a model"), &|_, _| {}).expect("a scene")
 }
 
-/// Words, parameters and colours of both frames are the same.
-fn same(scene: &Scene, view: &ViewSpec, options: &Options, schedule: Schedule, what: &str) {
-    for frame in [FrameShape::Staged, FrameShape::Fused] {
-        same_in(scene, view, &Options { frame, ..*options }, schedule, &format!("{frame:?} {what}"));
-    }
+/// Words, parameters and colours of both frames are the same; returns what trimming did on the CPU.
+pub fn same(scene: &Scene, view: &ViewSpec, options: &Options, schedule: Schedule, what: &str) -> TrimCounts {
+    let counts = [FrameShape::Staged, FrameShape::Fused]
+        .map(|frame| same_in(scene, view, &Options { frame, ..*options }, schedule, &format!("{frame:?} {what}")));
+    counts[0]
 }
 
-fn same_in(scene: &Scene, view: &ViewSpec, options: &Options, schedule: Schedule, what: &str) {
+fn same_in(scene: &Scene, view: &ViewSpec, options: &Options, schedule: Schedule, what: &str) -> TrimCounts {
     let camera = view.camera(&scene.bounds).expect("a camera");
     let expected = Renderer::new(scene).render(&camera, options).expect("a frame");
     let engine = Engine::Emulated(Box::new(Device::new(schedule, 2)));
@@ -44,6 +44,9 @@ fn same_in(scene: &Scene, view: &ViewSpec, options: &Options, schedule: Schedule
     assert!(different.is_empty(), "{what}: {} pixels differ\n{}", different.len(), first.join("\n"));
     assert_eq!(found.stats.filled, expected.stats.filled, "{what}");
     assert_eq!(found.stats.drawn, expected.stats.drawn, "{what}");
+    let textures = |frame: &Frame| [frame.stats.trim.textures_too_coarse, frame.stats.trim.texture_bytes];
+    assert_eq!(textures(&found), textures(&expected), "{what}");
+    expected.stats.trim
 }
 
 fn differ(a: &Frame, b: &Frame, x: u32, y: u32) -> bool {
@@ -90,18 +93,23 @@ fn trimmed_frames_are_those_of_the_cpu() {
     }
 }
 
+/// Where a real file is, if it is there.
+pub fn model(name: &str) -> Option<String> {
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
+    let path = std::env::var_os("HALFPIXEL_MODELS").map_or(beside, PathBuf::from).join(name);
+    let file = path.to_str().filter(|_| path.is_file()).map(str::to_owned);
+    if file.is_none() {
+        eprintln!("skipped: there is no {} (set HALFPIXEL_MODELS)", path.display());
+    }
+    file
+}
+
 /// Real files, where there are any: assemblies, instances, mirrored solids, thousands of faces.
 #[test]
 fn real_models_are_drawn_alike() {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
-    let folder = std::env::var_os("HALFPIXEL_MODELS").map_or(beside, PathBuf::from);
     for name in REAL {
-        let path = folder.join(name);
-        let Some(file) = path.to_str().filter(|_| path.is_file()) else {
-            eprintln!("skipped: there is no {} (set HALFPIXEL_MODELS)", path.display());
-            continue;
-        };
-        let scene = scene(file);
+        let Some(file) = model(name) else { continue };
+        let scene = scene(&file);
         for (orthographic, zoom) in [(false, 1.0), (true, 8.0)] {
             let view = ViewSpec { size: [160, 120], orthographic, zoom, ..ViewSpec::default() };
             same(&scene, &view, &Options::default(), Schedule::default(), &format!("{name} {orthographic} {zoom}"));

@@ -44,6 +44,8 @@ mod special_products;
 #[cfg(host_kernels)]
 mod support;
 #[cfg(host_kernels)]
+mod texture;
+#[cfg(host_kernels)]
 mod trims;
 
 // The test kernels; their names join the list of kernels before `main`.

@@ -7,6 +7,7 @@ mod near;
 mod newton;
 mod raster;
 mod strokes;
+mod textures;
 mod words;
 
 use super::evaluate::{Meshlet, Meshlets, Vertex};
