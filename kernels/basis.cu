@@ -1,7 +1,7 @@
 // Bernstein values on uniform grids, a table for each degree and number of quads that occurs, in this order. Twin of
 // src/stages/basis.rs: computed in f64, rounded once.
 #include "abi.h"
-#include "compat.cuh"
+#include "count.cuh"
 
 namespace basis {
 
@@ -14,9 +14,9 @@ static __device__ __forceinline__ uint32_t key(uint32_t degree, uint32_t quads) 
 
 // A thread a leaf: the sizes of the tables it needs.
 extern "C" __global__ void __launch_bounds__(128)
-    basis_sizes(uint32_t count, Buffer<const Patch> patches, Buffer<uint32_t> sizes) {
+    basis_sizes(Count count, Buffer<const Patch> patches, Buffer<uint32_t> sizes) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k >= count) {
+    if (k >= count.get()) {
         return;
     }
     for (int axis = 0; axis < 2; axis++) {
@@ -31,10 +31,10 @@ KERNEL(basis_sizes)
 
 // A block a table, a thread a line: all Bernstein polynomials by the triangular recurrence. `rows`: room in f64.
 extern "C" __global__ void __launch_bounds__(32)
-    basis_tables(Buffer<const uint32_t> sizes, Buffer<const uint32_t> places, Buffer<double> rows,
+    basis_tables(Buffer<const uint32_t> sizes, Buffer<const uint32_t> places, Count all, Buffer<double> rows,
                  Buffer<float> tables) {
     const uint32_t degree = blockIdx.x / BASIS_SIDES, quads = blockIdx.x % BASIS_SIDES;
-    if (sizes[blockIdx.x] == 0) {
+    if (sizes[blockIdx.x] == 0 || !all.fits()) {
         return;
     }
     for (uint32_t line = threadIdx.x; line <= quads; line += 32) {
@@ -60,9 +60,9 @@ KERNEL(basis_tables)
 
 // A thread a leaf: where its tables are.
 extern "C" __global__ void __launch_bounds__(128)
-    basis_places(uint32_t count, Buffer<Patch> patches, Buffer<const uint32_t> places) {
+    basis_places(Count count, Buffer<Patch> patches, Buffer<const uint32_t> places) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k >= count) {
+    if (k >= count.get()) {
         return;
     }
     for (int axis = 0; axis < 2; axis++) {

@@ -1,5 +1,6 @@
 // cull: which patches can be seen, and which of them must be split first. Twin of src/stages/cull.rs.
 #include "cone.cuh"
+#include "count.cuh"
 #include "judge.cuh"
 
 // A thread a patch of an instance; `states` says what becomes of it, `seen` is 1 where it is not culled.
@@ -32,9 +33,10 @@ KERNEL(cull_patches)
 
 // A thread a patch of an instance: those that are not culled, in order. `slots`: the exclusive sums of `seen`.
 extern "C" __global__ void __launch_bounds__(256)
-    cull_compact(uint32_t items, Buffer<const uint8_t> states, Buffer<const uint32_t> slots, Buffer<Visible> visible) {
+    cull_compact(uint32_t items, Buffer<const uint8_t> states, Buffer<const uint32_t> slots, Count seen,
+                 Buffer<Visible> visible) {
     const uint32_t item = blockIdx.x * blockDim.x + threadIdx.x;
-    if (item < items && states[item] != ITEM_CULLED) {
+    if (item < items && seen.fits() && states[item] != ITEM_CULLED) {
         visible[slots[item]] = {item, states[item], {0, 0}, 0, {0.0f, 0.0f}};
     }
 }

@@ -1,4 +1,5 @@
 // estimate: the grid of every visible patch, and what the later stages know of it. Twin of src/stages/estimate.rs.
+#include "count.cuh"
 #include "leaf.cuh"
 
 namespace estimate {
@@ -22,12 +23,12 @@ struct Subject {
 
 // A thread a visible patch: its grid, or its number in `work`, if it is not to be drawn as a whole.
 static __device__ __forceinline__ void patches(const View &view, const Rules &rules, const scene::Scene &scene,
-                                               uint32_t instances, uint32_t count, Buffer<Visible> visible,
+                                               uint32_t instances, const Count &count, Buffer<Visible> visible,
                                                Buffer<uint32_t> leaf_counts, Buffer<uint32_t> point_counts,
                                                Buffer<uint32_t> work, Buffer<Counters> counters) {
     SHARED(double, numbers, [bounds::NUMBERS * estimate::THREADS]);
     const uint32_t k = blockIdx.x * estimate::THREADS + threadIdx.x;
-    if (k >= count) {
+    if (k >= count.get()) {
         return;
     }
     const Visible here = visible[k];
@@ -63,11 +64,19 @@ static __device__ __forceinline__ void patches(const View &view, const Rules &ru
 
 } // namespace estimate
 
+// Before anything is counted.
+extern "C" __global__ void __launch_bounds__(1) estimate_begin(Buffer<Counters> counters) {
+    Counters begin = {};
+    begin.error = NO_ERROR;
+    counters[0] = begin;
+}
+KERNEL(estimate_begin)
+
 // BOUND: a `BoundRule` that the compiler knows, or that of the rules.
 #define ESTIMATE(name, BOUND)                                                                                          \
     extern "C" __global__ void __launch_bounds__(estimate::THREADS)                                                    \
         name(const __grid_constant__ View view, const __grid_constant__ Rules rules,                                   \
-             const __grid_constant__ scene::Scene scene, uint32_t instances, uint32_t count, Buffer<Visible> visible,  \
+             const __grid_constant__ scene::Scene scene, uint32_t instances, Count count, Buffer<Visible> visible,     \
              Buffer<uint32_t> leaf_counts, Buffer<uint32_t> point_counts, Buffer<uint32_t> work,                       \
              Buffer<Counters> counters) {                                                                              \
         Rules with_bound = rules;                                                                                      \
@@ -81,14 +90,14 @@ ESTIMATE(estimate_patches, rules.bound)
 // The default bound: much less code.
 ESTIMATE(estimate_patches_screen, BOUND_SCREEN)
 
-// A thread a visible patch that is drawn as a whole: its leaf, in its place among all.
+// A thread a visible patch that is drawn as a whole: its leaf, in its place among `all`.
 extern "C" __global__ void __launch_bounds__(128)
     estimate_leaves(const __grid_constant__ View view, const __grid_constant__ Rules rules,
-                    const __grid_constant__ scene::Scene scene, uint32_t instances, uint32_t count,
-                    Buffer<const Visible> visible, Buffer<const uint32_t> first_leaves, Buffer<const uint32_t> first_points,
+                    const __grid_constant__ scene::Scene scene, uint32_t instances, Count count,
+                    Buffer<const Visible> visible, Buffer<const uint32_t> first_leaves, Buffer<const uint32_t> first_points, Count all,
                     Buffer<Patch> patches, Buffer<Leaf> leaves, Buffer<Point> nets) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k >= count || visible[k].state != ITEM_WHOLE) {
+    if (k >= count.get() || !all.fits() || visible[k].state != ITEM_WHOLE) {
         return;
     }
     const Visible here = visible[k];

@@ -74,11 +74,11 @@ static __device__ __forceinline__ void meshlet(const View &view, const Buffers &
 }
 
 template <int DEGREE>
-static __device__ __forceinline__ void evaluate(const View &view, const Buffers &in, uint32_t count) {
+static __device__ __forceinline__ void evaluate(const View &view, const Buffers &in, const Count &count) {
     SHARED(float4, columns, [WARPS][COLUMNS * 8]);
     const uint32_t warp = threadIdx.x / 32;
     const uint32_t number = blockIdx.x * WARPS + warp;
-    if (number < count) {
+    if (number < count.get()) {
         const Meshlet m = in.meshlets[number];
         meshlet<DEGREE>(view, in, m, columns[warp], int(threadIdx.x % 32));
     }
@@ -86,11 +86,11 @@ static __device__ __forceinline__ void evaluate(const View &view, const Buffers 
 
 } // namespace evaluate
 
-// A grid of ceil(count / 4) blocks.
+// A grid of ceil(room / 4) blocks.
 #define EVALUATE(name, DEGREE)                                                                                         \
     extern "C" __global__ void __launch_bounds__(evaluate::WARPS * 32)                                                 \
         name(const __grid_constant__ View view, Buffer<const Patch> patches, Buffer<const Meshlet> meshlets,           \
-             Buffer<const Point> nets, Buffer<const float> basis, Buffer<Vertex> vertices, uint32_t count) {           \
+             Buffer<const Point> nets, Buffer<const float> basis, Buffer<Vertex> vertices, Count count) {           \
         evaluate::evaluate<DEGREE>(view, {patches, meshlets, nets, basis, vertices}, count);                           \
     }                                                                                                                  \
     KERNEL(name)

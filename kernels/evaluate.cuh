@@ -1,7 +1,7 @@
 // What the kernels that evaluate meshlets into memory have in common.
 #pragma once
 #include "abi.h"
-#include "compat.cuh"
+#include "count.cuh"
 
 namespace evaluate {
 

@@ -85,10 +85,10 @@ static __device__ __forceinline__ void meshlet(const View &view, const Buffers &
 }
 
 template <class Format, bool RECOVERED>
-static __device__ __forceinline__ void evaluate_meshlet(const View &view, const Buffers &in, uint32_t count) {
+static __device__ __forceinline__ void evaluate_meshlet(const View &view, const Buffers &in, const Count &count) {
     const uint32_t number = blockIdx.x * WARPS + threadIdx.x / 32;
     // The same for all lanes of a warp, as mma.sync needs.
-    if (number < count) {
+    if (number < count.get()) {
         const Meshlet m = in.meshlets[number];
         meshlet<Format, RECOVERED>(view, in, m, int(threadIdx.x % 32));
     }
@@ -96,11 +96,11 @@ static __device__ __forceinline__ void evaluate_meshlet(const View &view, const 
 
 } // namespace evaluate_mma
 
-// A grid of ceil(count / 4) blocks.
+// A grid of ceil(room / 4) blocks.
 #define EVALUATE_MMA(name, FORMAT, RECOVERED)                                                                          \
     extern "C" __global__ void __launch_bounds__(evaluate::WARPS * 32)                                                 \
         name(const __grid_constant__ View view, Buffer<const Patch> patches, Buffer<const Meshlet> meshlets,           \
-             Buffer<const Point> nets, Buffer<const float> basis, Buffer<Vertex> vertices, uint32_t count) {           \
+             Buffer<const Point> nets, Buffer<const float> basis, Buffer<Vertex> vertices, Count count) {           \
         evaluate_mma::evaluate_meshlet<tensor::FORMAT, RECOVERED>(                                               \
             view, {patches, meshlets, nets, basis, vertices}, count);                                                  \
     }                                                                                                                  \

@@ -88,7 +88,7 @@ struct Rule {
 // Counts the pixels that the spare buffer takes and, where there is room for them, lists them in any order.
 extern "C" __global__ void __launch_bounds__(THREADS)
     fill_list(GEOMETRY, Buffer<const Word> near, Buffer<const Word> spare, uint32_t room, Buffer<Filled> filled,
-              Buffer<uint32_t> count) {
+              Buffer<uint64_t> counted) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t pixel = blockIdx.x * blockDim.x + threadIdx.x;
     if (pixel >= view.size[0] * view.size[1] || spare[pixel] == 0) {
@@ -98,7 +98,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     if (!rule.wants(pixel, spare[pixel], near[pixel])) {
         return;
     }
-    const uint32_t place = atomicAdd(&count[0], 1u);
+    const uint64_t place = counts::next(counted[0]);
     if (place < room) {
         Filled f = {};
         f.near = near[pixel];
@@ -110,9 +110,9 @@ KERNEL(fill_list)
 
 // They show what the spare buffer has, once all are decided.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    fill_take(Buffer<Word> near, Buffer<const Word> spare, Buffer<const Filled> filled, uint32_t count) {
+    fill_take(Buffer<Word> near, Buffer<const Word> spare, Buffer<const Filled> filled, Count count) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k < count) {
+    if (k < count.get()) {
         const uint32_t pixel = filled[k].pixel;
         near[pixel] = spare[pixel];
     }

@@ -1,12 +1,13 @@
 // The list of meshlets: grids cut into blocks of up to 7 x 7 quads; those outside the trims are dropped, those that trim curves
 // cross are marked. Twin of src/stages/evaluate.rs and `region` in src/stages/trim_cut.rs.
 #include "blocks.cuh"
+#include "count.cuh"
 
 // A thread a leaf: its blocks, and their vertices.
 extern "C" __global__ void __launch_bounds__(128)
-    meshlet_counts(uint32_t leaves, Buffer<const Patch> patches, Buffer<uint32_t> blocks, Buffer<uint32_t> vertices) {
+    meshlet_counts(Count leaves, Buffer<const Patch> patches, Buffer<uint32_t> blocks, Buffer<uint32_t> vertices) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k < leaves) {
+    if (k < leaves.get()) {
         const blocks::Cut u = blocks::cut(patches[k].quads[0]), v = blocks::cut(patches[k].quads[1]);
         blocks[k] = u.count * v.count;
         vertices[k] = (u.quads + u.count) * (v.quads + v.count);
@@ -16,10 +17,10 @@ KERNEL(meshlet_counts)
 
 // A thread a leaf: its blocks in the order of parameters, as if none were dropped.
 extern "C" __global__ void __launch_bounds__(128)
-    meshlet_list(uint32_t leaves, Buffer<const Patch> patches, Buffer<const uint32_t> first_blocks,
-                 Buffer<const uint32_t> first_vertices, Buffer<Meshlet> meshlets) {
+    meshlet_list(Count leaves, Buffer<const Patch> patches, Buffer<const uint32_t> first_blocks,
+                 Buffer<const uint32_t> first_vertices, Count all, Buffer<Meshlet> meshlets) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k >= leaves) {
+    if (k >= leaves.get() || !all.fits()) {
         return;
     }
     const blocks::Cut u = blocks::cut(patches[k].quads[0]), v = blocks::cut(patches[k].quads[1]);
@@ -42,11 +43,11 @@ KERNEL(meshlet_list)
 
 // A thread a block: whether its parameters lie outside the trims. `looked_at` and `vertices`: what evaluate must tell of it.
 extern "C" __global__ void __launch_bounds__(128)
-    meshlet_drop(uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<const Patch> patches,
+    meshlet_drop(Count count, const __grid_constant__ trims::Trims trims, Buffer<const Patch> patches,
                  Buffer<const Leaf> leaves, Buffer<const Meshlet> meshlets, Buffer<uint8_t> states, Buffer<uint32_t> looked_at,
                  Buffer<uint32_t> vertices) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k >= count) {
+    if (k >= count.get()) {
         return;
     }
     const Meshlet m = meshlets[k];
@@ -64,10 +65,10 @@ KERNEL(meshlet_drop)
 
 // A thread a block: the blocks to be looked at, with vertices of their own.
 extern "C" __global__ void __launch_bounds__(128)
-    meshlet_look(uint32_t count, Buffer<const Meshlet> meshlets, Buffer<const uint8_t> states, Buffer<const uint32_t> slots,
-                 Buffer<const uint32_t> first_vertices, Buffer<Meshlet> looked_at, Buffer<uint32_t> numbers) {
+    meshlet_look(Count count, Buffer<const Meshlet> meshlets, Buffer<const uint8_t> states, Buffer<const uint32_t> slots,
+                 Buffer<const uint32_t> first_vertices, Count all, Buffer<Meshlet> looked_at, Buffer<uint32_t> numbers) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k < count && states[k] == BLOCK_CUT) {
+    if (k < count.get() && all.fits() && states[k] == BLOCK_CUT) {
         Meshlet m = meshlets[k];
         m.vertices = first_vertices[k];
         looked_at[slots[k]] = m;
@@ -78,12 +79,12 @@ KERNEL(meshlet_look)
 
 // A warp a block that is looked at: where it lies, its fragments' errors included.
 extern "C" __global__ void __launch_bounds__(128)
-    meshlet_region(uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<const Patch> patches,
+    meshlet_region(Count count, const __grid_constant__ trims::Trims trims, Buffer<const Patch> patches,
                    Buffer<const Leaf> leaves, Buffer<const Meshlet> looked_at, Buffer<const uint32_t> numbers,
                    Buffer<const Vertex> vertices, Buffer<Meshlet> meshlets, Buffer<uint8_t> states,
                    Buffer<MeshletCounts> counts) {
     const uint32_t k = (blockIdx.x * blockDim.x + threadIdx.x) / 32;
-    if (k >= count) {
+    if (k >= count.get()) {
         return;
     }
     const Team<32> warp = Team<32>::here();
@@ -115,10 +116,10 @@ KERNEL(meshlet_region)
 
 // A thread a block: whether it is kept, and the vertices it has then. `outer` learns of neighbours that were dropped.
 extern "C" __global__ void __launch_bounds__(128)
-    meshlet_keep(uint32_t count, Buffer<const Patch> patches, Buffer<Meshlet> meshlets, Buffer<const uint8_t> states,
+    meshlet_keep(Count count, Buffer<const Patch> patches, Buffer<Meshlet> meshlets, Buffer<const uint8_t> states,
                  Buffer<uint32_t> kept, Buffer<uint32_t> vertices) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k >= count) {
+    if (k >= count.get()) {
         return;
     }
     const Meshlet m = meshlets[k];
@@ -140,10 +141,10 @@ KERNEL(meshlet_keep)
 
 // A thread a block: the final list.
 extern "C" __global__ void __launch_bounds__(128)
-    meshlet_compact(uint32_t count, Buffer<const Meshlet> from, Buffer<const uint8_t> states, Buffer<const uint32_t> slots,
-                    Buffer<const uint32_t> first_vertices, Buffer<Meshlet> to) {
+    meshlet_compact(Count count, Buffer<const Meshlet> from, Buffer<const uint8_t> states, Buffer<const uint32_t> slots,
+                    Buffer<const uint32_t> first_vertices, Count all, Buffer<Meshlet> to) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k < count && states[k] < BLOCK_OUTSIDE) {
+    if (k < count.get() && all.fits() && states[k] < BLOCK_OUTSIDE) {
         Meshlet m = from[k];
         m.vertices = first_vertices[k];
         to[slots[k]] = m;
@@ -153,9 +154,9 @@ KERNEL(meshlet_compact)
 
 // A thread a meshlet of the final list: quads of all.
 extern "C" __global__ void __launch_bounds__(128)
-    meshlet_quads(uint32_t count, Buffer<const Meshlet> meshlets, Buffer<MeshletCounts> counts) {
+    meshlet_quads(Count count, Buffer<const Meshlet> meshlets, Buffer<MeshletCounts> counts) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    const uint32_t quads = k < count ? uint32_t(meshlets[k].quads[0]) * meshlets[k].quads[1] : 0;
+    const uint32_t quads = k < count.get() ? uint32_t(meshlets[k].quads[0]) * meshlets[k].quads[1] : 0;
     const uint32_t sum = __reduce_add_sync(~0u, quads);
     if (threadIdx.x % 32 == 0 && sum > 0) {
         atomicAdd(reinterpret_cast<unsigned long long *>(&counts[0].quads), (unsigned long long)sum);

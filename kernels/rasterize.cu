@@ -108,26 +108,28 @@ static __device__ __forceinline__ void meshlets(const Geometry &in, uint32_t cou
 
 // All meshlets but those that trim tests, by warps.
 extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)
-    rasterize_triangles(GEOMETRY, uint32_t count, Buffer<Word> near) {
+    rasterize_triangles(GEOMETRY, Count all, Buffer<Word> near) {
     const Geometry in = GEOMETRY_ARGUMENTS;
+    const uint32_t count = all.get();
     rasterize::meshlets<rasterize::TRIANGLES, 32, 64>(in, count, {{}, count}, {}, {}, {near, {}});
 }
 KERNEL(rasterize_triangles)
 
 extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)
-    rasterize_strokes(GEOMETRY, uint32_t count, Buffer<Word> near, Buffer<Word> spare) {
+    rasterize_strokes(GEOMETRY, Count all, Buffer<Word> near, Buffer<Word> spare) {
     const Geometry in = GEOMETRY_ARGUMENTS;
+    const uint32_t count = all.get();
     rasterize::meshlets<rasterize::STROKES, 32, 64>(in, count, {{}, count}, {}, {}, {near, spare});
 }
 KERNEL(rasterize_strokes)
 
 // Sorts them into classes: three lists with room for all, and `counts` how many each has.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    rasterize_classes(Buffer<const Meshlet> meshlets, uint32_t count, Buffer<uint32_t> corners, Buffer<uint32_t> narrow,
+    rasterize_classes(Buffer<const Meshlet> meshlets, Count count, Buffer<uint32_t> corners, Buffer<uint32_t> narrow,
                       Buffer<uint32_t> wide, Buffer<uint32_t> counts) {
     const uint32_t k = blockIdx.x * THREADS + threadIdx.x;
     int which = -1;
-    if (k < count && !meshlets[k].tested) {
+    if (k < count.get() && !meshlets[k].tested) {
         const Meshlet m = meshlets[k];
         const int points = (m.quads[0] + 1) * (m.quads[1] + 1);
         which = points == 4 ? rasterize::CORNERS : points <= 16 ? rasterize::NARROW : rasterize::WIDE;
@@ -149,11 +151,11 @@ KERNEL(rasterize_classes)
 
 #define RASTERIZE(name, PART, LANES, VERTICES, CLASS)                                                                  \
     extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)                                           \
-        name(GEOMETRY, uint32_t count, Buffer<const uint32_t> numbers, Buffer<uint32_t> wide, Buffer<uint32_t> counts, \
+        name(GEOMETRY, Count all, Buffer<const uint32_t> numbers, Buffer<uint32_t> wide, Buffer<uint32_t> counts,      \
              Buffer<Word> near, Buffer<Word> spare) {                                                                  \
         const Geometry in = GEOMETRY_ARGUMENTS;                                                                        \
         const rasterize::List list = {numbers, counts[rasterize::CLASS]};                                              \
-        rasterize::meshlets<rasterize::PART, LANES, VERTICES>(in, count, list, wide, counts, {near, spare});           \
+        rasterize::meshlets<rasterize::PART, LANES, VERTICES>(in, all.get(), list, wide, counts, {near, spare});       \
     }                                                                                                                  \
     KERNEL(name)
 

@@ -1,6 +1,6 @@
 // Exclusive prefix sums of 32-bit numbers, with a 64-bit total: in tiles, over the tiles' sums, and added together. No block
 // waits for another one.
-#include "compat.cuh"
+#include "count.cuh"
 
 namespace scan {
 
@@ -36,7 +36,8 @@ static __device__ __forceinline__ uint64_t over_block(uint64_t value, uint64_t &
 
 // A block a tile of 2048 numbers: sums within it, and its own.
 extern "C" __global__ void __launch_bounds__(scan::THREADS)
-    scan_tiles(Buffer<const uint32_t> in, Buffer<uint32_t> out, Buffer<uint64_t> sums, uint32_t count) {
+    scan_tiles(Buffer<const uint32_t> in, Buffer<uint32_t> out, Buffer<uint64_t> sums, Count list) {
+    const uint32_t count = list.get();
     SHARED(uint32_t, tile, [scan::TILE]);
     const uint32_t first = blockIdx.x * scan::TILE;
     // Loads and stores are coalesced, sums run along eight neighbours.
@@ -88,10 +89,16 @@ KERNEL(scan_sums)
 
 // A thread a number.
 extern "C" __global__ void __launch_bounds__(scan::THREADS)
-    scan_add(Buffer<uint32_t> out, Buffer<const uint64_t> sums, uint32_t count) {
+    scan_add(Buffer<uint32_t> out, Buffer<const uint64_t> sums, Count list) {
     const uint32_t k = blockIdx.x * scan::THREADS + threadIdx.x;
-    if (k < count) {
+    if (k < list.get()) {
         out[k] += uint32_t(sums[k / scan::TILE]);
     }
 }
 KERNEL(scan_add)
+
+// As many as a list has, where all of another one fits too; else more than anybody has room for.
+extern "C" __global__ void __launch_bounds__(1) count_both(Count list, Count other, Buffer<uint64_t> out) {
+    out[0] = list.fits() && other.fits() ? list.all() : counts::TOO_MANY;
+}
+KERNEL(count_both)

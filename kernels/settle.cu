@@ -102,9 +102,9 @@ static __device__ __forceinline__ bool belongs(const trims::Trims &trims, const 
 
 // What the list of filled pixels asks for: a surface that is clearly nearer than N's own.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    settle_ask(const __grid_constant__ View view, Buffer<Filled> pixels, uint32_t count) {
+    settle_ask(const __grid_constant__ View view, Buffer<Filled> pixels, Count count) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k < count) {
+    if (k < count.get()) {
         pixels[k].behind = shading::nearer_by_tolerance(view, topology::depth_of(pixels[k].near), 1.0);
         pixels[k].winner = 0xffffffffu;
     }
@@ -113,10 +113,10 @@ KERNEL(settle_ask)
 
 // The starts of each pixel's candidates, in the same order whatever order these were found in: four places a candidate.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    settle_starts(GEOMETRY, Buffer<const Filled> pixels, uint32_t count, Buffer<Word> candidates, Buffer<Start> starts) {
+    settle_starts(GEOMETRY, Buffer<const Filled> pixels, Count count, Count all, Buffer<Word> candidates, Buffer<Start> starts) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t slot = blockIdx.x * blockDim.x + threadIdx.x;
-    if (slot >= count) {
+    if (slot >= count.get() || !all.fits()) {
         return;
     }
     const Filled f = pixels[slot];
@@ -143,11 +143,11 @@ KERNEL(settle_starts)
 // Refines every start; the nearest surface exactly under its pixel's centre wins, among equals the larger word.
 // `reaching`: faces reach over the model's gaps; else only what lies under the centre itself counts.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    settle_search(GEOMETRY, Buffer<Filled> pixels, Buffer<Start> starts, uint32_t count, uint32_t reaching,
+    settle_search(GEOMETRY, Buffer<Filled> pixels, Buffer<Start> starts, Count candidates, uint32_t reaching,
                   const __grid_constant__ trims::Trims trims) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k >= count || starts[k].patch == NO_PATCH) {
+    if (k >= candidates.get() * settle::STARTS || starts[k].patch == NO_PATCH) {
         return;
     }
     const Start start = starts[k];
@@ -174,9 +174,9 @@ KERNEL(settle_search)
 
 // The first of the starts that found what won.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    settle_winner(Buffer<Filled> pixels, Buffer<const Start> starts, uint32_t count) {
+    settle_winner(Buffer<Filled> pixels, Buffer<const Start> starts, Count candidates) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k >= count || starts[k].patch == NO_PATCH || starts[k].depth == 0.0f) {
+    if (k >= candidates.get() * settle::STARTS || starts[k].patch == NO_PATCH || starts[k].depth == 0.0f) {
         return;
     }
     const Start start = starts[k];
@@ -189,10 +189,10 @@ KERNEL(settle_winner)
 // Pixels go to what was found; the others get back what they had, and lose their mark. `start` is that of what was found
 // from now on.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    settle_apply(Buffer<Filled> pixels, Buffer<const Start> starts, uint32_t count, Buffer<Word> near,
+    settle_apply(Buffer<Filled> pixels, Buffer<const Start> starts, Count count, Buffer<Word> near,
                  Buffer<uint32_t> slots) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k >= count) {
+    if (k >= count.get()) {
         return;
     }
     const Filled f = pixels[k];

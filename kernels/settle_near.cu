@@ -121,10 +121,10 @@ static __device__ __forceinline__ void triangle(const outlines::Drawn &d, const 
 
 // Marks the pixels of the list in the image and in its tiles.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    settle_mark(const __grid_constant__ View view, Buffer<const Filled> pixels, uint32_t count, Buffer<uint32_t> slots,
+    settle_mark(const __grid_constant__ View view, Buffer<const Filled> pixels, Count count, Buffer<uint32_t> slots,
                 Buffer<uint32_t> tiles) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k < count) {
+    if (k < count.get()) {
         const uint32_t pixel = pixels[k].pixel, x = pixel % view.size[0], y = pixel / view.size[0];
         slots[pixel] = k + 1;
         const uint32_t tile =
@@ -134,13 +134,13 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 }
 KERNEL(settle_mark)
 
-// One warp a meshlet; a grid of ceil(count / 4) blocks. `candidates` null: only counts.
+// One warp a meshlet; a grid of ceil(room / 4) blocks. `candidates` null: only counts; else `all` of them.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    settle_find(GEOMETRY, uint32_t count, Buffer<const uint32_t> slots, Buffer<const uint32_t> tiles,
-                Buffer<Filled> pixels, Buffer<Word> candidates, Buffer<uint32_t> cursors) {
+    settle_find(GEOMETRY, Count count, Buffer<const uint32_t> slots, Buffer<const uint32_t> tiles, Buffer<Filled> pixels,
+                Count all, Buffer<Word> candidates, Buffer<uint32_t> cursors) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * settle_near::WARPS + threadIdx.x / 32;
-    if (number >= count) {
+    if (number >= count.get() || (candidates && !all.fits())) {
         return;
     }
     const settle_near::Wanted wanted = {slots, tiles, pixels, candidates, cursors};
@@ -168,11 +168,11 @@ KERNEL(settle_find)
 
 // Gives each pixel its part of the list of candidates; `total`: how many there are.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    settle_allocate(Buffer<Filled> pixels, uint32_t count, Buffer<Word> total) {
+    settle_allocate(Buffer<Filled> pixels, Count count, Buffer<uint64_t> total) {
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k < count) {
+    if (k < count.get()) {
         // Of no use where the total does not fit 32 bits; the host looks at that first.
-        pixels[k].first = uint32_t(atomicAdd(&total[0], Word(pixels[k].candidates)));
+        pixels[k].first = uint32_t(atomicAdd(counts::word(total[0]), Word(pixels[k].candidates)));
     }
 }
 KERNEL(settle_allocate)

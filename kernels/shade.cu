@@ -54,7 +54,7 @@ struct Image {
 // as there is room, and counted; room 0: none is in doubt.
 extern "C" __global__ void __launch_bounds__(THREADS)
     shade_pixels(GEOMETRY, Buffer<const Word> near, Buffer<const uint32_t> taken, Buffer<float2> parameters,
-                 Buffer<float> colors, uint32_t room, Buffer<Filled> doubts, Buffer<uint32_t> count) {
+                 Buffer<float> colors, uint32_t room, Buffer<Filled> doubts, Buffer<uint64_t> counted) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t pixel = blockIdx.x * blockDim.x + threadIdx.x;
     if (pixel >= view.size[0] * view.size[1] || near[pixel] == 0 || taken[pixel] != shading::NO_SLOT) {
@@ -71,7 +71,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     if (kind == DOUBT_NONE) {
         return;
     }
-    const uint32_t place = atomicAdd(&count[0], 1u);
+    const uint64_t place = counts::next(counted[0]);
     if (place < room) {
         Filled f = {};
         f.near = topology::with_depth(word, s.depth);
@@ -88,11 +88,11 @@ KERNEL(shade_pixels)
 
 // Pixels that settle found a surface for, from its parameters: their triangles would lead astray near a silhouette.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    shade_filled(GEOMETRY, Buffer<const Word> near, Buffer<const Filled> filled, uint32_t count,
+    shade_filled(GEOMETRY, Buffer<const Word> near, Buffer<const Filled> filled, Count count,
                  Buffer<float2> parameters, Buffer<float> colors) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k >= count) {
+    if (k >= count.get()) {
         return;
     }
     const Filled f = filled[k];
@@ -106,10 +106,10 @@ KERNEL(shade_filled)
 
 // Other ways to fill: what refinement leaves beyond half a pixel goes back to N. `best` is 1 for pixels that stay.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    shade_refuse(GEOMETRY, Buffer<Word> near, Buffer<Filled> filled, uint32_t count) {
+    shade_refuse(GEOMETRY, Buffer<Word> near, Buffer<Filled> filled, Count count) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k >= count) {
+    if (k >= count.get()) {
         return;
     }
     const uint32_t pixel = filled[k].pixel;

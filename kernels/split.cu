@@ -1,5 +1,6 @@
 // The leaves of patches that are not drawn as a whole: too near or too large for the later stages, or drawn with fewer quads in
 // parts. Second half of src/stages/cull.rs and estimate.rs.
+#include "count.cuh"
 #include "halves.cuh"
 
 namespace split {
@@ -34,10 +35,6 @@ struct Sizes {
     uint32_t parts, part_points, memory, halves, tried;
 };
 
-static __device__ __forceinline__ unsigned long long *word(uint64_t &counter) {
-    return reinterpret_cast<unsigned long long *>(&counter);
-}
-
 // Writes the leaf that `piece` is at, where there is room.
 static __device__ void emit(Piece &piece, const Buffers &out, const Sizes &sizes, uint32_t visible, uint32_t instance,
                             uint32_t number) {
@@ -46,7 +43,7 @@ static __device__ void emit(Piece &piece, const Buffers &out, const Sizes &sizes
     unsigned long long net = 0;
     if (warp.lane == 0) {
         part = atomicAdd(&out.counters[0].parts, 1u);
-        net = atomicAdd(word(out.counters[0].part_points), (unsigned long long)piece.net.count());
+        net = atomicAdd(counts::word(out.counters[0].part_points), (unsigned long long)piece.net.count());
     }
     part = warp.first(part), net = warp.first(net);
     if (part >= sizes.parts || net + piece.net.count() > sizes.part_points) {
@@ -142,7 +139,7 @@ extern "C" __global__ void __launch_bounds__(32)
             out.leaf_counts[visible] = leaves;
             out.point_counts[visible] = leaves * uint32_t(piece.net.count());
             if (error != 0) {
-                atomicMin(split::word(out.counters[0].error), (unsigned long long)item << 8 | error);
+                atomicMin(counts::word(out.counters[0].error), (unsigned long long)item << 8 | error);
             }
             if (lists.full) {
                 atomicAdd(&out.counters[0].short_of_halves, 1u);
@@ -153,13 +150,24 @@ extern "C" __global__ void __launch_bounds__(32)
 }
 KERNEL(split_patches)
 
-// A thread a part: to its place among all leaves.
+// As many leaves as there are, where splitting had room for all it made and met no error, and all control points fit; else more
+// than anybody has room for.
+extern "C" __global__ void __launch_bounds__(1)
+    split_check(Buffer<const Counters> counters, uint32_t parts, uint32_t part_points, Count leaves, Count points,
+                Buffer<uint64_t> out) {
+    const Counters c = counters[0];
+    const bool whole = c.error == NO_ERROR && c.short_of_halves == 0 && c.parts <= parts && c.part_points <= part_points;
+    out[0] = whole && leaves.fits() && points.fits() ? leaves.all() : counts::TOO_MANY;
+}
+KERNEL(split_check)
+
+// A thread a part: to its place among `all` leaves.
 extern "C" __global__ void __launch_bounds__(128)
-    place_parts(uint32_t parts, Buffer<const PartPlace> places, Buffer<const Patch> part_patches,
+    place_parts(Buffer<const Counters> counters, Count all, Buffer<const PartPlace> places, Buffer<const Patch> part_patches,
                 Buffer<const Leaf> part_leaves, Buffer<const Point> part_nets, Buffer<const uint32_t> first_leaves,
                 Buffer<const uint32_t> first_points, Buffer<Patch> patches, Buffer<Leaf> leaves, Buffer<Point> nets) {
     const uint32_t part = blockIdx.x * blockDim.x + threadIdx.x;
-    if (part >= parts) {
+    if (!all.fits() || part >= counters[0].parts) {
         return;
     }
     const PartPlace place = places[part];

@@ -1,6 +1,7 @@
 // The numbering inside a meshlet: its triangles and outer edges, in the low 7 bits of a visibility word. Twin of
 // src/stages/topology.rs.
 #pragma once
+#include "count.cuh"
 #include "evaluate.cuh"
 
 using Word = unsigned long long;

@@ -21,11 +21,11 @@ constexpr int LISTED = 0, REJECTED = 1, PROPOSED = 2, COUNTS = 3;
 // Fragments near a curve.
 struct Queue {
     Buffer<Fragment> list;
-    Buffer<uint32_t> counts;
+    Buffer<uint64_t> counts;
     uint32_t room;
 
     __device__ __forceinline__ void push(uint32_t pixel, Word word) const {
-        const uint32_t place = atomicAdd(&counts[LISTED], 1u);
+        const uint64_t place = counts::next(counts[LISTED]);
         if (place < room) {
             Fragment fragment = {word, pixel, 0};
             list[place] = fragment;
@@ -105,13 +105,13 @@ static __device__ __forceinline__ bool keeps_stroke(const outlines::Drawn &d, co
 
 } // namespace trim
 
-// The tested meshlets; a grid of ceil(count / 4) blocks. `counts`: trim::COUNTS of them.
+// The tested meshlets; a grid of ceil(count / 4) blocks. `counted`: trim::COUNTS of them.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    trim_meshlets(GEOMETRY, uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
-                  uint32_t room, Buffer<Fragment> queue, Buffer<uint32_t> counts) {
+    trim_meshlets(GEOMETRY, Count count, const __grid_constant__ trims::Trims trims, Buffer<Word> near, uint32_t room,
+                  Buffer<Fragment> queue, Buffer<uint64_t> counted) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * trim::WARPS + threadIdx.x / 32;
-    if (number >= count || !in.meshlets[number].tested) {
+    if (number >= count.get() || !in.meshlets[number].tested) {
         return;
     }
     const Meshlet m = in.meshlets[number];
@@ -127,17 +127,17 @@ extern "C" __global__ void __launch_bounds__(THREADS)
             const Corners c = d.corners(topology::triangle(m, patch.diagonal, k));
             return faces_away(c, patch.hidden) ? 0 : outlines::pixels_of(coverage::box_of(view, c));
         },
-        [&](int k, int first, int step) { trim::triangle(d, trims, k, first, step, near, {queue, counts, room}); });
+        [&](int k, int first, int step) { trim::triangle(d, trims, k, first, step, near, {queue, counted, room}); });
 }
 KERNEL(trim_meshlets)
 
 // The listed fragments, on the exact surface.
 extern "C" __global__ void __launch_bounds__(THREADS)
     trim_fragments(GEOMETRY, const __grid_constant__ trims::Trims trims, Buffer<Word> near, Buffer<Word> spare,
-                   Buffer<const Fragment> queue, uint32_t count, Buffer<uint32_t> counts) {
+                   Buffer<const Fragment> queue, Count count, Buffer<uint64_t> counted) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;
-    if (k >= count) {
+    if (k >= count.get()) {
         return;
     }
     const Word word = queue[k].word;
@@ -153,10 +153,10 @@ extern "C" __global__ void __launch_bounds__(THREADS)
         keep_larger(near, pixel, word);
         return;
     }
-    atomicAdd(&counts[trim::REJECTED], 1u);
+    counts::next(counted[trim::REJECTED]);
     // It was not tested under the pixel's centre: whatever surface lies there is searched for.
     if (r.residual > shading::EXACT && view.refine > 0 && view.fill == FILL_STROKE) {
-        atomicAdd(&counts[trim::PROPOSED], 1u);
+        counts::next(counted[trim::PROPOSED]);
         keep_larger(spare, pixel, topology::word(topology::depth_of(word), topology::meshlet_of(word), FOLD_INDEX));
     }
 }
@@ -164,11 +164,11 @@ KERNEL(trim_fragments)
 
 // Strokes of the tested meshlets, once the near buffer is done.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    trim_strokes(GEOMETRY, uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<const Word> near,
+    trim_strokes(GEOMETRY, Count count, const __grid_constant__ trims::Trims trims, Buffer<const Word> near,
                  Buffer<Word> spare) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * trim::WARPS + threadIdx.x / 32;
-    if (number >= count || !in.meshlets[number].tested) {
+    if (number >= count.get() || !in.meshlets[number].tested) {
         return;
     }
     const Meshlet m = in.meshlets[number];
@@ -177,7 +177,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     const trim::Warp warp = trim::Warp::here();
     outlines::load(warp, in, m, tile);
     const outlines::Drawn d = {view, in, m, in.patches[m.patch], in.leaves[m.patch], number, tile};
-    outlines::draw(warp, d, count, [&](int x, int y, Word word) {
+    outlines::draw(warp, d, count.get(), [&](int x, int y, Word word) {
         const uint32_t pixel = uint32_t(y) * view.size[0] + x;
         // Fill wants nothing that N hides.
         const bool nearer = topology::depth_of(word) > topology::depth_of(near[pixel]);

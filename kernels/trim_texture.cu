@@ -193,11 +193,11 @@ KERNEL(texture_rows)
 
 // The tested meshlets, by their textures; a grid of ceil(count / 4) blocks.
 extern "C" __global__ void __launch_bounds__(THREADS)
-    texture_meshlets(GEOMETRY, uint32_t count, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
+    texture_meshlets(GEOMETRY, Count count, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
                      Buffer<TextureCounts> counts) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * texture::WARPS + threadIdx.x / 32;
-    if (number >= count || !in.meshlets[number].tested) {
+    if (number >= count.get() || !in.meshlets[number].tested) {
         return;
     }
     const Meshlet m = in.meshlets[number];

@@ -1,11 +1,12 @@
 //! cull, host side: which patches of which instances can be seen. Twin of src/stages/cull.rs.
 
+use super::count::{Count, List};
 use super::gpu::pods;
 use super::scan::scan;
 use super::scene::SceneOnDevice;
 use super::selection::Selection;
 use super::session::Session;
-use super::{Buffer, Gpu, GpuError, abi};
+use super::{Gpu, GpuError, abi};
 use crate::stages::lens::Lens;
 use crate::stages::{Bound, Cull, Grid, Options};
 
@@ -45,22 +46,23 @@ pub(crate) fn rules(lens: &Lens, options: &Options, selection: &Selection, whole
 }
 
 /// The patches that are not culled, in the order of instances and patches.
-pub(crate) fn cull<G: Gpu>(session: &mut Session<G>, seen: &Seen) -> Result<Buffer<abi::Visible>, GpuError> {
+pub(crate) fn cull<G: Gpu>(session: &mut Session<G>, seen: &Seen) -> Result<List<abi::Visible>, GpuError> {
     let Seen { scene, view, rules } = seen;
-    let items = scene.items as usize;
-    let (states, kept) = (session.allocate::<u8>(items)?, session.allocate::<u32>(items)?);
+    let items = Count::known(scene.items);
+    let (states, kept) = (session.allocate::<u8>(items.room())?, session.allocate::<u32>(items.room())?);
     let (pointers, instances) = (scene.pointers(), scene.instances());
-    session.for_each(
+    session.for_all(
         "cull_patches",
         items,
         &[view, rules, &pointers, &instances, &scene.items, &states.pointer(), &kept.pointer()],
     )?;
-    let (slots, count) = scan(session, &kept)?;
-    let visible = session.allocate(count as usize)?;
-    session.for_each(
+    let (slots, total) = scan(session, &kept, items)?;
+    let count = session.count_of(total, "patches")?;
+    let visible = session.list(count)?;
+    session.for_all(
         "cull_compact",
         items,
-        &[&scene.items, &states.pointer(), &slots.pointer(), &visible.pointer()],
+        &[&scene.items, &states.pointer(), &slots.pointer(), &count, &visible.pointer()],
     )?;
     Ok(visible)
 }

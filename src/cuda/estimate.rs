@@ -1,10 +1,11 @@
 //! estimate, host side: the leaves of all visible patches with their grids. Twin of src/stages/estimate.rs.
 
+use super::count::{Count, List};
 use super::cull::Seen;
 use super::gpu::pods;
 use super::scan::scan;
 use super::session::{Geometry, Session};
-use super::{Buffer, Gpu, GpuError, Pointer, Shape, abi, basis};
+use super::{Argument, Buffer, Gpu, GpuError, Pointer, Shape, abi, basis};
 use thiserror::Error;
 
 /// Threads a block of `estimate_patches`: as many columns has its list of constraints.
@@ -38,20 +39,29 @@ pub(crate) enum Stopped {
 
 /// The leaves of a frame.
 pub(crate) struct Leaves {
+    pub count: Count,
     pub patches: Buffer<abi::Patch>,
     /// The same leaves, for the stages that draw them.
     pub leaves: Buffer<abi::Leaf>,
     pub nets: Buffer<abi::Point>,
     pub basis: Buffer<f32>,
-    /// Patches of which something is kept.
-    pub patches_visible: u64,
+    /// What was counted of the visible patches.
+    visible: Count,
+    counters: Buffer<abi::Counters>,
 }
 
 impl Leaves {
     /// Meshlets of these leaves, as the stages that draw them are given them; without vertices.
-    pub fn geometry(&self, view: &abi::View, meshlets: Buffer<abi::Meshlet>) -> Geometry {
+    pub fn geometry(&self, view: &abi::View, meshlets: List<abi::Meshlet>) -> Geometry {
         let Self { patches, leaves, nets, basis, .. } = *self;
         Geometry { view: *view, patches, leaves, nets, basis, meshlets, vertices: None }
+    }
+
+    /// Patches of which something is kept.
+    pub fn patches_visible<G: Gpu>(&self, session: &mut Session<G>) -> Result<u64, GpuError> {
+        let visible = session.length(self.visible)?;
+        let counters = session.download(&self.counters)?.first().copied().unwrap_or_default();
+        Ok(visible - u64::from(counters.split) + u64::from(counters.visible))
     }
 }
 
@@ -87,13 +97,13 @@ struct SplitSizes {
 
 /// What estimate keeps of the visible patches.
 struct Estimated {
-    visible: Buffer<abi::Visible>,
+    visible: List<abi::Visible>,
     /// Leaves of each, and their control points.
     leaf_counts: Buffer<u32>,
     point_counts: Buffer<u32>,
     /// Those that are to be split.
     work: Buffer<u32>,
-    split: u32,
+    counters: Buffer<abi::Counters>,
 }
 
 /// Leaves with their nets, and where they belong.
@@ -104,83 +114,96 @@ struct PartLists {
     nets: Buffer<abi::Point>,
 }
 
-/// The leaves that splitting made, in no order.
-#[derive(Default)]
+/// The leaves that splitting made, in no order, and what was counted.
 struct Parts {
-    lists: Option<PartLists>,
-    count: u32,
-    visible: u32,
+    lists: PartLists,
+    room: Room,
+    counters: Buffer<abi::Counters>,
 }
 
 /// The leaves of the visible patches, in the order of instances, patches and parameters.
 pub(crate) fn estimate<G: Gpu>(
     session: &mut Session<G>,
     seen: &Seen,
-    visible: Buffer<abi::Visible>,
+    visible: List<abi::Visible>,
 ) -> Result<Leaves, Stopped> {
     let estimated = session.group("grids", |session| grids(session, seen, visible))?;
     let parts = session.group("split", |session| split(session, seen, &estimated))?;
-    let (first_leaves, leaf_count) = scan(session, &estimated.leaf_counts)?;
-    let (first_points, point_count) = scan(session, &estimated.point_counts)?;
-    if leaf_count > u64::from(MAX_PARTS) || point_count > u64::from(u32::MAX) {
-        return Err(Stopped::Vertices);
-    }
-    let patches = session.allocate::<abi::Patch>(leaf_count as usize)?;
-    let leaves = session.allocate::<abi::Leaf>(leaf_count as usize)?;
-    let nets = session.allocate::<abi::Point>(point_count as usize)?;
+    let (first_leaves, leaf_total) = scan(session, &estimated.leaf_counts, visible.count)?;
+    let (first_points, point_total) = scan(session, &estimated.point_counts, visible.count)?;
+    let leaf_count = session.count(leaf_total, u64::from(MAX_PARTS))?.map_err(|_| Stopped::Vertices)?;
+    let point_count = session.count(point_total, u64::from(u32::MAX))?.map_err(|_| Stopped::Vertices)?;
+    let count = whole(session, &parts, leaf_count, point_count)?;
+    let patches = session.allocate::<abi::Patch>(count.room())?;
+    let leaves = session.allocate::<abi::Leaf>(count.room())?;
+    let nets = session.allocate::<abi::Point>(point_count.room())?;
     let Seen { scene, view, rules } = seen;
     let (firsts, points) = (first_leaves.pointer(), first_points.pointer());
     let lists = (patches.pointer(), leaves.pointer(), nets.pointer());
-    let count = visible.len() as u32;
     let (pointers, instances) = (scene.pointers(), scene.instances());
-    session.for_each(
+    session.for_all(
         "estimate_leaves",
-        visible.len(),
+        visible.count,
         &[
             view,
             rules,
             &pointers,
             &instances,
-            &count,
+            &visible.count,
             &visible.pointer(),
             &firsts,
             &points,
+            &count,
             &lists.0,
             &lists.1,
             &lists.2,
         ],
     )?;
-    if let Some(PartLists { places, patches, leaves, nets }) = &parts.lists {
-        let from = (places.pointer(), patches.pointer(), leaves.pointer(), nets.pointer());
-        session.for_each(
-            "place_parts",
-            parts.count as usize,
-            &[&parts.count, &from.0, &from.1, &from.2, &from.3, &firsts, &points, &lists.0, &lists.1, &lists.2],
-        )?;
+    let PartLists { places, patches: part_patches, leaves: part_leaves, nets: part_nets } = &parts.lists;
+    let from = (places.pointer(), part_patches.pointer(), part_leaves.pointer(), part_nets.pointer());
+    let counters = parts.counters.pointer();
+    session.for_each(
+        "place_parts",
+        parts.room.parts,
+        &[&counters, &count, &from.0, &from.1, &from.2, &from.3, &firsts, &points, &lists.0, &lists.1, &lists.2],
+    )?;
+    let tables = |session: &mut Session<G>| basis::tables(session, &patches, count, scene.degree);
+    let (basis, count) = session.group("basis", tables)?;
+    Ok(Leaves { count, patches, leaves, nets, basis, visible: visible.count, counters: parts.counters })
+}
+
+/// As many leaves as there are, where splitting and all control points had room.
+fn whole<G: Gpu>(session: &mut Session<G>, parts: &Parts, leaves: Count, points: Count) -> Result<Count, GpuError> {
+    if session.asks() {
+        return Ok(leaves);
     }
-    let basis = session.group("basis", |session| basis::tables(session, &patches, scene.degree))?;
-    let patches_visible = u64::from(count - estimated.split + parts.visible);
-    Ok(Leaves { patches, leaves, nets, basis, patches_visible })
+    let out = session.counters(1)?;
+    let room = (parts.room.parts as u32, parts.room.part_points as u32);
+    let arguments: [&dyn Argument; 6] = [&parts.counters.pointer(), &room.0, &room.1, &leaves, &points, &out];
+    session.launch("split_check", Shape::row(1, 1), &arguments)?;
+    Ok(session.counted(out, leaves.room() as u32))
 }
 
 /// The grids of the patches that are drawn as a whole.
-fn grids<G: Gpu>(session: &mut Session<G>, seen: &Seen, visible: Buffer<abi::Visible>) -> Result<Estimated, Stopped> {
+fn grids<G: Gpu>(session: &mut Session<G>, seen: &Seen, visible: List<abi::Visible>) -> Result<Estimated, Stopped> {
     let Seen { scene, view, rules } = seen;
-    let leaf_counts = session.allocate::<u32>(visible.len())?;
-    let point_counts = session.allocate::<u32>(visible.len())?;
-    let work = session.allocate::<u32>(visible.len())?;
-    let counters = session.upload(&[abi::Counters { error: abi::NO_ERROR, ..abi::Counters::default() }])?;
-    if !visible.is_empty() {
+    let room = visible.room();
+    let leaf_counts = session.allocate::<u32>(room)?;
+    let point_counts = session.allocate::<u32>(room)?;
+    let work = session.allocate::<u32>(room)?;
+    let counters = session.allocate::<abi::Counters>(1)?;
+    session.launch("estimate_begin", Shape::row(1, 1), &[&counters.pointer()])?;
+    if room > 0 {
         let default = rules.bound == abi::BoundRule::BOUND_SCREEN;
         session.launch(
             if default { "estimate_patches_screen" } else { "estimate_patches" },
-            Shape::of(visible.len(), THREADS),
+            Shape::of(room, THREADS),
             &[
                 view,
                 rules,
                 &scene.pointers(),
                 &scene.instances(),
-                &(visible.len() as u32),
+                &visible.count,
                 &visible.pointer(),
                 &leaf_counts.pointer(),
                 &point_counts.pointer(),
@@ -189,26 +212,48 @@ fn grids<G: Gpu>(session: &mut Session<G>, seen: &Seen, visible: Buffer<abi::Vis
             ],
         )?;
     }
-    let split = session.download(&counters)?[0].split;
-    Ok(Estimated { visible, leaf_counts, point_counts, work, split })
+    Ok(Estimated { visible, leaf_counts, point_counts, work, counters })
 }
 
 /// What splitting has room for.
+#[derive(Clone, Copy)]
 struct Room {
+    /// Patches that are split at once at most.
+    warps: usize,
     halves: usize,
     parts: usize,
     part_points: usize,
 }
 
-/// The leaves of all other patches. What there was no room for is counted, and made in a second run.
-fn split<G: Gpu>(session: &mut Session<G>, seen: &Seen, from: &Estimated) -> Result<Parts, Stopped> {
-    if from.split == 0 {
-        return Ok(Parts::default());
+impl Room {
+    /// As much as an earlier frame needed, and some more.
+    fn planned<G: Gpu>(session: &mut Session<G>) -> Result<Self, GpuError> {
+        let mut next = |limit: u64| session.number(limit, |_| Ok(0)).map(|n| n as usize);
+        let most = u64::from(u32::MAX);
+        Ok(Self {
+            warps: next(most)?,
+            halves: next(most)?,
+            parts: next(u64::from(MAX_PARTS))?,
+            part_points: next(most)?,
+        })
     }
-    let parts = PARTS * from.split as usize;
-    let mut room = Room { halves: HALVES, parts, part_points: parts * seen.scene.most_points.min(64) };
+}
+
+/// The leaves of all other patches. Where the frame asks, what there was no room for is counted, and made in a second run.
+fn split<G: Gpu>(session: &mut Session<G>, seen: &Seen, from: &Estimated) -> Result<Parts, Stopped> {
+    if !session.asks() {
+        let room = Room::planned(session)?;
+        let lists = split_within(session, seen, from, &from.counters, &room)?;
+        return Ok(Parts { lists, room, counters: from.counters });
+    }
+    let work = session.download(&from.counters)?[0].split as usize;
+    let parts = PARTS * work;
+    let mut room = Room { warps: work, halves: HALVES, parts, part_points: parts * seen.scene.most_points.min(64) };
     loop {
-        let (found, lists) = split_within(session, seen, from, &room)?;
+        let start = abi::Counters { error: abi::NO_ERROR, split: work as u32, ..abi::Counters::default() };
+        let counters = session.upload(&[start])?;
+        let lists = split_within(session, seen, from, &counters, &room)?;
+        let found = session.download(&counters)?[0];
         if found.error != abi::NO_ERROR {
             return Err(Stopped::Item { item: (found.error >> 8) as u32, error: found.error as u32 & 0xff });
         }
@@ -219,7 +264,10 @@ fn split<G: Gpu>(session: &mut Session<G>, seen: &Seen, from: &Estimated) -> Res
         if found.short_of_halves > 0 {
             room.halves *= 8;
         } else if parts <= room.parts && part_points <= room.part_points {
-            return Ok(Parts { lists: Some(lists), count: found.parts, visible: found.visible });
+            for number in [room.warps, room.halves, parts, part_points] {
+                session.number(0, |_| Ok(number as u64))?;
+            }
+            return Ok(Parts { lists, room: Room { parts, ..room }, counters });
         }
         room.parts = room.parts.max(parts);
         room.part_points = room.part_points.max(part_points);
@@ -230,13 +278,12 @@ fn split_within<G: Gpu>(
     session: &mut Session<G>,
     seen: &Seen,
     from: &Estimated,
+    counters: &Buffer<abi::Counters>,
     room: &Room,
-) -> Result<(abi::Counters, PartLists), GpuError> {
+) -> Result<PartLists, GpuError> {
     let Seen { scene, view, rules } = seen;
-    let start = abi::Counters { error: abi::NO_ERROR, split: from.split, ..abi::Counters::default() };
-    let counters = session.upload(&[start])?;
     let bytes = 8 * scene.memory + room.halves * size_of::<abi::Half>();
-    let warps = (SPLIT_BYTES / bytes).clamp(1, SPLIT_WARPS).min(from.split as usize);
+    let warps = (SPLIT_BYTES / bytes).clamp(1, SPLIT_WARPS).min(room.warps);
     let lists = PartLists {
         places: session.allocate(room.parts)?,
         patches: session.allocate(room.parts)?,
@@ -265,7 +312,9 @@ fn split_within<G: Gpu>(
         halves: room.halves as u32,
         tried: TRIED as u32,
     };
-    let shape = Shape::row(warps as u32, 32);
-    session.launch("split_patches", shape, &[view, rules, &scene.pointers(), &pointers, &sizes])?;
-    Ok((session.download(&counters)?[0], lists))
+    if warps > 0 {
+        let shape = Shape::row(warps as u32, 32);
+        session.launch("split_patches", shape, &[view, rules, &scene.pointers(), &pointers, &sizes])?;
+    }
+    Ok(lists)
 }

@@ -1,5 +1,7 @@
 //! evaluate, host side: a frame's patches and meshlets as `kernels/abi.h` describes them.
 
+use super::count::{Count, List};
+use super::gpu::pods;
 use super::precision::{Arithmetic, Hull, Kernel};
 use super::scan::scan;
 use super::session::{Geometry, Session};
@@ -129,28 +131,46 @@ impl Staged {
     }
 }
 
-/// Memory for the vertices that a frame keeps: in the staged shape all, in the fused one what tensor cores make.
+/// Memory for the vertices that a frame keeps: in the staged shape all, in the fused one what tensor cores make. Meshlets without
+/// any are told so.
 pub(crate) fn memory<G: Gpu>(
     session: &mut Session<G>,
-    geometry: &Geometry,
+    geometry: &mut Geometry,
     options: &Options,
-    all: u64,
-) -> Result<Option<Buffer<abi::Vertex>>, GpuError> {
+    all: Count,
+) -> Result<(), GpuError> {
     if options.frame == FrameShape::Staged {
-        return session.allocate(all as usize).map(Some);
+        geometry.vertices = Some(session.allocate(all.room())?);
+        return Ok(());
     }
     if options.precision == Precision::F32 {
-        return Ok(None);
+        return Ok(());
     }
-    let (leaves, meshlets, count) = (&geometry.leaves, &geometry.meshlets, geometry.meshlets.len());
-    let counts = session.allocate::<u32>(count)?;
-    let (leaves, meshlets) = (leaves.pointer(), meshlets.pointer());
-    session.for_each("evaluate_kept", count, &[&(count as u32), &leaves, &meshlets, &counts.pointer()])?;
-    let (firsts, kept) = scan(session, &counts)?;
-    let places: [&dyn Argument; 4] = [&(count as u32), &counts.pointer(), &firsts.pointer(), &meshlets];
-    session.for_each("evaluate_places", count, &places)?;
-    session.allocate(kept as usize).map(Some)
+    let count = geometry.meshlets.count;
+    let counts = session.allocate::<u32>(count.room())?;
+    let (leaves, meshlets) = (geometry.leaves.pointer(), geometry.meshlets.pointer());
+    session.for_all("evaluate_kept", count, &[&count, &leaves, &meshlets, &counts.pointer()])?;
+    let (firsts, kept) = scan(session, &counts, count)?;
+    let places: [&dyn Argument; 4] = [&count, &counts.pointer(), &firsts.pointer(), &meshlets];
+    session.for_all("evaluate_places", count, &places)?;
+    let kept = session.count_of(kept, "vertices")?;
+    geometry.meshlets.count = session.both(count, kept)?;
+    geometry.vertices = Some(session.allocate(kept.room())?);
+    Ok(())
 }
+
+/// `bins::Places` of kernels/bins.cu.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
+struct Places {
+    first: [u32; BINS],
+    room: [u32; BINS],
+}
+
+pods!(Places);
+
+/// Kernels of [`Kernel::all`].
+const BINS: usize = 13;
 
 /// The vertices of all meshlets that are kept, each patch in its own arithmetic.
 pub(crate) fn evaluate<G: Gpu>(
@@ -159,30 +179,32 @@ pub(crate) fn evaluate<G: Gpu>(
     vertices: &Buffer<abi::Vertex>,
 ) -> Result<(), GpuError> {
     let Geometry { view, patches, leaves, nets, basis, meshlets, .. } = geometry;
-    let all = meshlets.len();
-    let kernels: Vec<String> = Kernel::all().map(|kernel| kernel.to_string()).collect();
-    let sort = |session: &mut Session<G>, firsts: Pointer<u32>, out: Pointer<abi::Meshlet>| {
-        let counts = session.zeroed::<u32>(kernels.len())?;
-        let (patches, leaves, meshlets) = (patches.pointer(), leaves.pointer(), meshlets.pointer());
-        let places = counts.pointer();
-        let arguments: [&dyn Argument; 7] = [&patches, &leaves, &meshlets, &(all as u32), &places, &firsts, &out];
-        session.for_each("evaluate_bins", all, &arguments)?;
-        Ok::<_, GpuError>(counts)
+    let sort = |session: &mut Session<G>, places: Places, out: Pointer<abi::Meshlet>| {
+        let counted = session.counters(BINS)?;
+        let (patches, leaves, from) = (patches.pointer(), leaves.pointer(), meshlets.pointer());
+        let arguments: [&dyn Argument; 7] = [&patches, &leaves, &from, &meshlets.count, &counted, &places, &out];
+        session.for_all("evaluate_bins", meshlets.count, &arguments)?;
+        Ok::<_, GpuError>(counted)
     };
-    let counts = sort(session, Pointer::NULL, Pointer::NULL)?;
-    let counts = session.download(&counts)?;
-    let mut firsts = vec![0u32; counts.len()];
-    for k in 1..counts.len() {
-        firsts[k] = firsts[k - 1] + counts[k - 1];
+    // Where a frame does not ask for numbers, the first count is not looked at: the kernels count again.
+    let counted = if session.asks() { sort(session, Places::default(), Pointer::NULL)? } else { Pointer::NULL };
+    let mut places = Places::default();
+    let mut total = 0;
+    for bin in 0..BINS {
+        let counted = Pointer { ..counted }.offset(bin);
+        let room = session.number(meshlets.room() as u64, |session| session.value(counted))? as u32;
+        (places.first[bin], places.room[bin]) = (total, room);
+        total += room;
     }
-    let sorted = session.allocate::<abi::Meshlet>(all)?.pointer();
-    let places = session.upload(&firsts)?.pointer();
-    sort(session, places, sorted)?;
-    for ((kernel, &first), &count) in kernels.iter().zip(&firsts).zip(&counts).filter(|(_, count)| **count > 0) {
-        let shape = Shape::row(count.div_ceil(WARPS), WARPS * 32);
+    let sorted = session.allocate::<abi::Meshlet>(total as usize)?;
+    let counted = sort(session, places, sorted.pointer())?;
+    for (bin, kernel) in Kernel::all().enumerate().filter(|(bin, _)| places.room[*bin] > 0) {
+        let (first, room) = (places.first[bin], places.room[bin]);
+        let count = session.counted(Pointer { ..counted }.offset(bin), room);
+        let shape = Shape::row(room.div_ceil(WARPS), WARPS * 32);
         let (patches, nets, basis) = (patches.pointer(), nets.pointer(), basis.pointer());
-        let (meshlets, vertices) = (sorted.offset(first as usize), vertices.pointer());
-        session.launch(kernel, shape, &[view, &patches, &meshlets, &nets, &basis, &vertices, &count])?;
+        let (meshlets, vertices) = (sorted.pointer().offset(first as usize), vertices.pointer());
+        session.launch(&kernel.to_string(), shape, &[view, &patches, &meshlets, &nets, &basis, &vertices, &count])?;
     }
     Ok(())
 }
@@ -202,7 +224,7 @@ fn vertices_in<G: Gpu>(session: &mut Session<G>, staged: &Staged) -> Result<Vec<
         leaves: session.upload(&staged.leaves)?,
         nets: session.upload(&staged.nets)?,
         basis: session.upload(&staged.basis)?,
-        meshlets: session.upload(&staged.meshlets)?,
+        meshlets: List { buffer: session.upload(&staged.meshlets)?, count: Count::known(staged.meshlets.len() as u32) },
         vertices: None,
     };
     let vertices = session.allocate(staged.vertices)?;

@@ -6,17 +6,17 @@ use super::{Gpu, GpuError, abi};
 impl<G: Gpu> Stages<'_, '_, G> {
     pub(super) fn fill(&mut self) -> Result<Pixels, GpuError> {
         let pixels = self.pixels();
-        let filled = self.list(pixels / 16 + 1, |stages, list, count| {
+        let (filled, _) = self.list(pixels / 16 + 1, "pixels to fill", |stages, list, counted| {
             let (near, spare) = (stages.near.pointer(), stages.spare.pointer());
-            let (room, list, count) = (list.len() as u32, list.pointer(), count.pointer());
-            stages.session.for_each_in(&stages.geometry, "fill_list", pixels, &[&near, &spare, &room, &list, &count])
+            let (room, list) = (list.len() as u32, list.pointer());
+            stages.session.for_each_in(&stages.geometry, "fill_list", pixels, &[&near, &spare, &room, &list, &counted])
         })?;
         // Shading gives each of them its word, or back what it had.
         if self.is_exact() {
             return Ok(filled);
         }
-        let (near, spare, list) = (self.near.pointer(), self.spare.pointer(), filled.list.pointer());
-        self.session.for_each("fill_take", filled.count as usize, &[&near, &spare, &list, &filled.count])?;
+        let (near, spare, list) = (self.near.pointer(), self.spare.pointer(), filled.pointer());
+        self.session.for_all("fill_take", filled.count, &[&near, &spare, &list, &filled.count])?;
         Ok(filled)
     }
 

@@ -1,9 +1,10 @@
 //! The frame after estimate: its buffers, and the order of its stages, one file each.
 
+use super::count::{Count, List};
 use super::evaluate::evaluate;
 use super::session::{Geometry, Session};
 use super::trims::TrimPointers;
-use super::{Buffer, Gpu, GpuError, abi};
+use super::{Buffer, Gpu, GpuError, Pod, Pointer, abi};
 use crate::stages::TrimCounts;
 
 /// What a device made of a frame.
@@ -21,6 +22,11 @@ pub(crate) struct Drawn {
     pub buffer_bytes: u64,
 }
 
+/// Entries of a list: places in it have 32 bits.
+const MOST: u64 = u32::MAX as u64;
+/// What a kernel that lists something counts at most.
+const COUNTERS: usize = 3;
+
 /// Where stages end: their name, once they have.
 pub(crate) type Ended<'a> = &'a mut dyn FnMut(&'static str);
 
@@ -35,8 +41,12 @@ pub(crate) struct Input {
     pub textured: bool,
 }
 
-/// Draws it; `ended` is told where stages end.
-pub(crate) fn draw<G: Gpu>(session: &mut Session<'_, G>, input: &Input, ended: Ended) -> Result<Drawn, GpuError> {
+/// Draws it; `ended` is told where stages end. None: there was no room for something.
+pub(crate) fn draw<G: Gpu>(
+    session: &mut Session<'_, G>,
+    input: &Input,
+    ended: Ended,
+) -> Result<Option<Drawn>, GpuError> {
     Stages::new(session, input)?.run(input, ended)
 }
 
@@ -53,12 +63,7 @@ pub(super) struct Stages<'s, 'g, G: Gpu> {
 }
 
 /// A list of pixels on the device.
-#[derive(Clone, Copy)]
-pub(super) struct Pixels {
-    pub list: Buffer<abi::Filled>,
-    /// How many of them there are.
-    pub count: u32,
-}
+pub(super) type Pixels = List<abi::Filled>;
 
 impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
     fn new(session: &'s mut Session<'g, G>, input: &Input) -> Result<Self, GpuError> {
@@ -77,7 +82,7 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         })
     }
 
-    fn run(&mut self, input: &Input, ended: Ended) -> Result<Drawn, GpuError> {
+    fn run(&mut self, input: &Input, ended: Ended) -> Result<Option<Drawn>, GpuError> {
         if let Some(vertices) = self.geometry.vertices {
             self.session.group("vertices", |session| evaluate(session, &self.geometry, &vertices))?;
         }
@@ -85,7 +90,7 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         self.rasterize()?;
         self.end("rasterize", ended)?;
         let trim = match (input.trimmed, input.textured) {
-            (false, _) => TrimCounts::default(),
+            (false, _) => Trimmed::default(),
             (true, false) => self.trim()?,
             (true, true) => self.trim_by_textures()?,
         };
@@ -95,15 +100,18 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         let filled = self.shade(filled, input.trimmed)?;
         self.end("shade", ended)?;
         self.group("download", |stages| {
-            Ok(Drawn {
+            if !stages.session.fits()? {
+                return Ok(None);
+            }
+            Ok(Some(Drawn {
                 near: stages.session.download(&stages.near)?,
                 parameters: stages.session.download(&stages.parameters)?,
                 color: stages.session.download(&stages.color)?,
                 shown: stages.shown()?,
-                filled,
-                trim,
+                filled: stages.filled(&filled)?,
+                trim: trim.counts(stages.session)?,
                 buffer_bytes: stages.session.bytes(),
-            })
+            }))
         })
     }
 
@@ -133,21 +141,62 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         self.near.len()
     }
 
-    /// Counts what a kernel lists, and runs it again where there was no room for all of it.
-    pub(super) fn list(
+    /// What a kernel lists; it is told where, with how much room, and where to count. Where the frame asks, it is run again if
+    /// there was no room for all of it.
+    pub(super) fn list<T: Pod>(
         &mut self,
-        room: usize,
-        run: impl Fn(&mut Self, &Buffer<abi::Filled>, &Buffer<u32>) -> Result<(), GpuError>,
-    ) -> Result<Pixels, GpuError> {
-        let mut room = room;
+        guess: usize,
+        what: &'static str,
+        run: impl Fn(&mut Self, &Buffer<T>, Pointer<u64>) -> Result<(), GpuError>,
+    ) -> Result<(List<T>, Pointer<u64>), GpuError> {
+        let planned = self.session.planned(MOST);
+        let mut room = planned.unwrap_or(guess as u64);
         loop {
-            let (list, count) = (self.session.allocate(room)?, self.session.zeroed(1)?);
-            run(self, &list, &count)?;
-            let count = self.session.count(&count)?;
-            if count as usize <= room {
-                return Ok(Pixels { list, count });
+            let (buffer, counted) = (self.session.allocate(room as usize)?, self.session.counters(COUNTERS)?);
+            run(self, &buffer, counted)?;
+            if planned.is_some() {
+                let count = self.session.counted(counted, room as u32);
+                return Ok((List { buffer, count }, counted));
             }
-            room = count as usize;
+            let needed = self.session.value(counted)?;
+            if needed > MOST {
+                return Err(GpuError::TooMany { what, needed, limit: MOST });
+            }
+            if needed <= room {
+                self.session.remember(needed);
+                return Ok((List { buffer, count: Count::known(needed as u32) }, counted));
+            }
+            room = needed;
         }
+    }
+
+    /// Pixels of these lists that stay filled, ascending.
+    fn filled(&mut self, lists: &[Pixels]) -> Result<Vec<u32>, GpuError> {
+        let stays = |f: &&abi::Filled| f.best != 0;
+        let all = self.geometry.view.refine == 0;
+        let mut pixels = Vec::new();
+        for list in lists {
+            let length = self.session.length(list.count)? as usize;
+            let entries = self.session.download(&list.buffer)?;
+            pixels.extend(entries[..length].iter().filter(|f| all || stays(f)).map(|f| f.pixel));
+        }
+        pixels.sort_unstable();
+        Ok(pixels)
+    }
+}
+
+/// What trimming did, as far as it is known before the frame's end.
+#[derive(Default)]
+pub(super) struct Trimmed {
+    pub known: TrimCounts,
+    /// Fragments that were tested, rejected, and that propose pixels.
+    pub counted: Option<Pointer<u64>>,
+}
+
+impl Trimmed {
+    fn counts<G: Gpu>(self, session: &mut Session<G>) -> Result<TrimCounts, GpuError> {
+        let Some(counted) = self.counted else { return Ok(self.known) };
+        let mut of = |k: usize| session.value(counted.offset(k));
+        Ok(TrimCounts { tested: of(0)?, rejected: of(1)?, proposed: of(2)?, ..self.known })
     }
 }

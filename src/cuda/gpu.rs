@@ -129,6 +129,8 @@ pub enum GpuError {
     Emulated(#[from] LaunchError),
     #[error(transparent)]
     Cuda(#[from] CudaError),
+    #[error("a frame that asked for all its numbers had no room for something")]
+    Unsettled,
     #[error("this view needs {needed} {what}; a frame holds {limit}")]
     TooMany { what: &'static str, needed: u64, limit: u64 },
 }

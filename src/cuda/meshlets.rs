@@ -1,5 +1,6 @@
 //! The list of meshlets, made on the device: second half of `evaluate`'s twin, src/stages/evaluate.rs.
 
+use super::count::{Count, List};
 use super::cull::Seen;
 use super::estimate::{Leaves, Stopped};
 use super::evaluate::{WARPS, evaluate};
@@ -7,7 +8,7 @@ use super::gpu::pods;
 use super::precision::Arithmetic;
 use super::scan::scan;
 use super::session::Session;
-use super::{Buffer, Gpu, GpuError, Shape, abi};
+use super::{Buffer, Gpu, GpuError, Pointer, Shape, abi};
 
 pods!(abi::MeshletCounts);
 
@@ -20,109 +21,123 @@ const REGION_WARPS: u32 = 4;
 /// A frame's meshlets.
 pub(crate) struct Meshlets {
     /// In the order of their numbers.
-    pub meshlets: Buffer<abi::Meshlet>,
+    pub meshlets: List<abi::Meshlet>,
     /// Vertices of all of them.
-    pub vertices: u64,
+    pub vertices: Count,
+    /// Those before any were dropped.
+    all: Count,
+    counts: Buffer<abi::MeshletCounts>,
+}
+
+/// What was counted of a frame's meshlets.
+pub(crate) struct Counted {
     pub quads: u64,
-    /// Of trimmed leaves: those that no curve crosses, and those that were dropped.
+    /// Of trimmed leaves: those that no curve crosses, those that one may cross, and those that were dropped.
     pub inside: u64,
     pub boundary: u64,
     pub outside: u64,
 }
 
+impl Meshlets {
+    pub fn counted<G: Gpu>(&self, session: &mut Session<G>) -> Result<Counted, GpuError> {
+        let outside = session.length(self.all)? - session.length(self.meshlets.count)?;
+        let abi::MeshletCounts { quads, inside, boundary } =
+            session.download(&self.counts)?.first().copied().unwrap_or_default();
+        Ok(Counted { quads, inside: inside.into(), boundary: boundary.into(), outside })
+    }
+}
+
 /// Cuts all grids into meshlets.
 pub(crate) fn meshlets<G: Gpu>(session: &mut Session<G>, seen: &Seen, leaves: &Leaves) -> Result<Meshlets, Stopped> {
-    let count = leaves.patches.len();
-    let (blocks, vertices) = (session.allocate(count)?, session.allocate(count)?);
+    let count = leaves.count;
+    let (blocks, vertices) = (session.allocate(count.room())?, session.allocate(count.room())?);
     let patches = leaves.patches.pointer();
-    session.for_each("meshlet_counts", count, &[&(count as u32), &patches, &blocks.pointer(), &vertices.pointer()])?;
-    let (first_blocks, needed) = scan(session, &blocks)?;
-    let (first_vertices, vertices) = scan(session, &vertices)?;
-    if vertices > MAX_VERTICES {
-        return Err(Stopped::Vertices);
-    }
-    if needed > MAX_MESHLETS {
-        return Err(Stopped::Meshlets { needed });
-    }
-    let meshlets = session.allocate(needed as usize)?;
-    session.for_each(
+    session.for_all("meshlet_counts", count, &[&count, &patches, &blocks.pointer(), &vertices.pointer()])?;
+    let (first_blocks, needed) = scan(session, &blocks, count)?;
+    let (first_vertices, vertices) = scan(session, &vertices, count)?;
+    let vertices = session.count(vertices, MAX_VERTICES)?.map_err(|_| Stopped::Vertices)?;
+    let needed = session.count(needed, MAX_MESHLETS)?.map_err(|needed| Stopped::Meshlets { needed })?;
+    let all = session.both(needed, vertices)?;
+    let meshlets = session.list(all)?;
+    session.for_all(
         "meshlet_list",
         count,
-        &[&(count as u32), &patches, &first_blocks.pointer(), &first_vertices.pointer(), &meshlets.pointer()],
+        &[&count, &patches, &first_blocks.pointer(), &first_vertices.pointer(), &all, &meshlets.pointer()],
     )?;
     let counts = session.zeroed::<abi::MeshletCounts>(1)?;
-    let mut all = Meshlets { meshlets, vertices, quads: 0, inside: 0, boundary: 0, outside: 0 };
+    let mut found = Meshlets { meshlets, vertices, all, counts };
     if seen.view.trim != 0 && seen.scene.trimmed {
-        all = trim(session, seen, leaves, all, &counts)?;
+        found = trim(session, seen, leaves, found)?;
     }
-    let kept = all.meshlets.len();
+    let kept = found.meshlets.count;
     // Whole warps: they sum together.
-    session.for_each("meshlet_quads", kept, &[&(kept as u32), &all.meshlets.pointer(), &counts.pointer()])?;
-    let counts = session.download(&counts)?[0];
-    Ok(Meshlets { quads: counts.quads, inside: counts.inside.into(), boundary: counts.boundary.into(), ..all })
+    session.for_all("meshlet_quads", kept, &[&kept, &found.meshlets.pointer(), &counts.pointer()])?;
+    Ok(found)
 }
 
 /// Drops what lies outside the trims, and marks what curves cross.
-fn trim<G: Gpu>(
-    session: &mut Session<G>,
-    seen: &Seen,
-    leaves: &Leaves,
-    all: Meshlets,
-    counts: &Buffer<abi::MeshletCounts>,
-) -> Result<Meshlets, GpuError> {
-    let length = all.meshlets.len();
-    let count = length as u32;
-    let states = session.allocate::<u8>(length)?;
-    let (flags, vertices) = (session.allocate::<u32>(length)?, session.allocate::<u32>(length)?);
+fn trim<G: Gpu>(session: &mut Session<G>, seen: &Seen, leaves: &Leaves, from: Meshlets) -> Result<Meshlets, GpuError> {
+    let count = from.all;
+    let states = session.allocate::<u8>(count.room())?;
+    let (flags, vertices) = (session.allocate::<u32>(count.room())?, session.allocate::<u32>(count.room())?);
     let (patches, descriptions) = (leaves.patches.pointer(), leaves.leaves.pointer());
-    let (meshlets, states) = (all.meshlets.pointer(), states.pointer());
+    let (meshlets, states) = (from.meshlets.pointer(), states.pointer());
     let (flag, vertex) = (flags.pointer(), vertices.pointer());
     let trims = seen.scene.trims();
-    session.for_each(
+    session.for_all(
         "meshlet_drop",
-        length,
+        count,
         &[&count, &trims, &patches, &descriptions, &meshlets, &states, &flag, &vertex],
     )?;
-    let (slots, looked_at) = scan(session, &flags)?;
-    let (firsts, evaluated) = scan(session, &vertices)?;
-    if looked_at > 0 {
-        let list = session.allocate::<abi::Meshlet>(looked_at as usize)?;
-        let numbers = session.allocate::<u32>(looked_at as usize)?;
-        session.for_each(
-            "meshlet_look",
-            length,
-            &[&count, &meshlets, &states, &slots.pointer(), &firsts.pointer(), &list.pointer(), &numbers.pointer()],
-        )?;
-        let vertices = evaluated_vertices(session, seen, leaves, &list, evaluated)?;
-        let looked_at = looked_at as u32;
-        let (list, numbers, vertices) = (list.pointer(), numbers.pointer(), vertices.pointer());
+    let (slots, looked_at) = scan(session, &flags, count)?;
+    let (firsts, evaluated) = scan(session, &vertices, count)?;
+    let looked_at = session.count_of(looked_at, "meshlets to look at")?;
+    let evaluated = session.count_of(evaluated, "vertices of meshlets to look at")?;
+    let looked_at = session.both(looked_at, evaluated)?;
+    let list = session.list::<abi::Meshlet>(looked_at)?;
+    let numbers = session.allocate::<u32>(looked_at.room())?;
+    let (slots, firsts) = (slots.pointer(), firsts.pointer());
+    session.for_all(
+        "meshlet_look",
+        count,
+        &[&count, &meshlets, &states, &slots, &firsts, &looked_at, &list.pointer(), &numbers.pointer()],
+    )?;
+    let looked = evaluated_vertices(session, seen, leaves, list, evaluated)?;
+    let (list, numbers, looked) = (list.pointer(), numbers.pointer(), looked.pointer());
+    let counts = from.counts.pointer();
+    if looked_at.room() > 0 {
         session.launch(
             "meshlet_region",
-            Shape::row(looked_at.div_ceil(REGION_WARPS), REGION_WARPS * 32),
-            &[
-                &looked_at,
-                &trims,
-                &patches,
-                &descriptions,
-                &list,
-                &numbers,
-                &vertices,
-                &meshlets,
-                &states,
-                &counts.pointer(),
-            ],
+            Shape::row(looked_at.room().div_ceil(REGION_WARPS as usize) as u32, REGION_WARPS * 32),
+            &[&looked_at, &trims, &patches, &descriptions, &list, &numbers, &looked, &meshlets, &states, &counts],
         )?;
     }
-    session.for_each("meshlet_keep", length, &[&count, &patches, &meshlets, &states, &flag, &vertex])?;
-    let (slots, kept) = scan(session, &flags)?;
-    let (firsts, vertices) = scan(session, &vertices)?;
-    let list = session.allocate::<abi::Meshlet>(kept as usize)?;
-    session.for_each(
+    session.for_all("meshlet_keep", count, &[&count, &patches, &meshlets, &states, &flag, &vertex])?;
+    compact(session, from, states, &flags, &vertices)
+}
+
+/// Those that are kept.
+fn compact<G: Gpu>(
+    session: &mut Session<G>,
+    from: Meshlets,
+    states: Pointer<u8>,
+    flags: &Buffer<u32>,
+    vertices: &Buffer<u32>,
+) -> Result<Meshlets, GpuError> {
+    let count = from.all;
+    let (slots, kept) = scan(session, flags, count)?;
+    let (firsts, all_vertices) = scan(session, vertices, count)?;
+    let kept = session.count_of(kept, "meshlets")?;
+    let vertices = session.count_of(all_vertices, "vertices")?;
+    let kept = session.both(kept, vertices)?;
+    let list = session.list(kept)?;
+    let (meshlets, slots, firsts) = (from.meshlets.pointer(), slots.pointer(), firsts.pointer());
+    session.for_all(
         "meshlet_compact",
-        length,
-        &[&count, &meshlets, &states, &slots.pointer(), &firsts.pointer(), &list.pointer()],
+        count,
+        &[&count, &meshlets, &states, &slots, &firsts, &kept, &list.pointer()],
     )?;
-    Ok(Meshlets { meshlets: list, vertices, outside: length as u64 - kept, ..all })
+    Ok(Meshlets { meshlets: list, vertices, ..from })
 }
 
 /// The vertices of blocks that are looked at: their triangles say how far fragments' parameters may be off.
@@ -130,20 +145,24 @@ fn evaluated_vertices<G: Gpu>(
     session: &mut Session<G>,
     seen: &Seen,
     leaves: &Leaves,
-    list: &Buffer<abi::Meshlet>,
-    vertices: u64,
+    list: List<abi::Meshlet>,
+    vertices: Count,
 ) -> Result<Buffer<abi::Vertex>, GpuError> {
-    let (count, vertices) = (list.len() as u32, session.allocate(vertices as usize)?);
+    let vertices = session.allocate(vertices.room())?;
     // As they will be drawn.
     if seen.rules.precision != Arithmetic::F32 as u32 {
-        evaluate(session, &leaves.geometry(&seen.view, *list), &vertices)?;
+        evaluate(session, &leaves.geometry(&seen.view, list), &vertices)?;
         return Ok(vertices);
     }
     let (patches, nets, basis) = (leaves.patches.pointer(), leaves.nets.pointer(), leaves.basis.pointer());
-    session.launch(
-        "evaluate_f32",
-        Shape::row(count.div_ceil(WARPS), WARPS * 32),
-        &[&seen.view, &patches, &list.pointer(), &nets, &basis, &vertices.pointer(), &count],
-    )?;
+    let blocks = list.room().div_ceil(WARPS as usize) as u32;
+    if blocks > 0 {
+        let (meshlets, out) = (list.pointer(), vertices.pointer());
+        session.launch(
+            "evaluate_f32",
+            Shape::row(blocks, WARPS * 32),
+            &[&seen.view, &patches, &meshlets, &nets, &basis, &out, &list.count],
+        )?;
+    }
     Ok(vertices)
 }

@@ -5,6 +5,8 @@
 //! | `abi.rs` | the structs of `kernels/abi.h`, made by bindgen |
 //! | `basis.rs` | Bernstein values of a frame's grids |
 //! | `clocks.rs` | what evaluation costs by arithmetic and device; computed, made by tests/kernel_resources |
+//! | `count.rs` | how long lists are, without waiting for the device |
+//! | `counters.rs` | what kernels count, and the room that lists get by it |
 //! | `cull.rs` | which patches can be seen |
 //! | `device.rs` | which devices there are, and what is missing where there is none |
 //! | `estimate.rs` | the leaves of all visible patches, with their grids |
@@ -40,6 +42,8 @@ pub mod abi;
 mod basis;
 #[rustfmt::skip]
 mod clocks;
+pub(crate) mod count;
+mod counters;
 pub(crate) mod cull;
 // Calls of the driver are the library's only unsafe code.
 #[allow(unsafe_code)]
@@ -71,6 +75,7 @@ mod trim;
 mod trim_texture;
 pub mod trims;
 
+pub use count::Count;
 pub use device::{Device, Driver, devices, driver};
 pub use gpu::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape};
 pub use module::{Kernels, Toolkit, fatbin, targets, toolkit};

@@ -18,7 +18,7 @@ impl<G: Gpu> Stages<'_, '_, G> {
             self.session.for_meshlets(&self.geometry, "rasterize_triangles", &[&near])?;
             return self.session.for_meshlets(&self.geometry, "rasterize_strokes", &[&near, &spare]);
         }
-        let count = self.geometry.meshlets.len();
+        let (count, all) = (self.geometry.meshlets.room(), self.geometry.meshlets.count);
         if count == 0 {
             return Ok(());
         }
@@ -26,7 +26,7 @@ impl<G: Gpu> Stages<'_, '_, G> {
         let (corners, narrow, wide) = (list()?, list()?, list()?);
         let counts = self.session.zeroed::<u32>(CLASSES)?.pointer();
         let meshlets = self.geometry.meshlets.pointer();
-        let lists: [&dyn Argument; 6] = [&meshlets, &(count as u32), &corners, &narrow, &wide, &counts];
+        let lists: [&dyn Argument; 6] = [&meshlets, &all, &corners, &narrow, &wide, &counts];
         self.session.for_each("rasterize_classes", count, &lists)?;
         for part in ["rasterize", "stroke"] {
             for (class, lanes, numbers) in [("corners", 1, corners), ("narrow", 8, narrow), ("wide", 32, wide)] {

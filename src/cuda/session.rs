@@ -1,5 +1,6 @@
 //! One frame's use of a device: buffers that are freed together, and launches that all begin with the frame's geometry.
 
+use super::count::{Count, List, Plan, Sizes};
 use super::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape, abi};
 use crate::stages::STAGES;
 
@@ -16,6 +17,14 @@ pub(crate) struct Session<'g, G: Gpu> {
     marks: Vec<G::Mark>,
     /// Ranges that are open for profilers.
     open: usize,
+    /// What kernels count, zero at first, and how many of the last buffer are in use.
+    pub(super) counters: Vec<Buffer<u64>>,
+    pub(super) used: usize,
+    /// The same as they were at the frame's end.
+    pub(super) found: Option<Vec<Vec<u64>>>,
+    pub(super) sizes: Sizes,
+    /// Lists that have to fit.
+    pub(super) counts: Vec<Count>,
 }
 
 /// What `GEOMETRY` in kernels/topology.cuh names.
@@ -26,14 +35,29 @@ pub(crate) struct Geometry {
     pub leaves: Buffer<abi::Leaf>,
     pub nets: Buffer<abi::Point>,
     pub basis: Buffer<f32>,
-    pub meshlets: Buffer<abi::Meshlet>,
+    pub meshlets: List<abi::Meshlet>,
     /// None: evaluated where they are wanted.
     pub vertices: Option<Buffer<abi::Vertex>>,
 }
 
 impl<'g, G: Gpu> Session<'g, G> {
     pub fn new(gpu: &'g mut G) -> Self {
-        Self { gpu, owned: Vec::new(), marks: Vec::new(), open: 0 }
+        Self::with_plan(gpu, None)
+    }
+
+    /// With room as an earlier frame had to ask for.
+    pub fn with_plan(gpu: &'g mut G, plan: Option<Plan>) -> Self {
+        Self {
+            gpu,
+            owned: Vec::new(),
+            marks: Vec::new(),
+            open: 0,
+            counters: Vec::new(),
+            used: 0,
+            found: None,
+            sizes: Sizes::of(plan),
+            counts: Vec::new(),
+        }
     }
 
     fn own<T: Pod>(&mut self, buffer: Buffer<T>) -> Buffer<T> {
@@ -57,11 +81,6 @@ impl<'g, G: Gpu> Session<'g, G> {
         self.gpu.download(buffer)
     }
 
-    /// The one number that a buffer holds.
-    pub fn count(&mut self, buffer: &Buffer<u32>) -> Result<u32, GpuError> {
-        Ok(self.gpu.download(buffer)?.first().copied().unwrap_or(0))
-    }
-
     pub fn launch(&mut self, kernel: &str, shape: Shape, arguments: &[&dyn Argument]) -> Result<(), GpuError> {
         self.gpu.launch(kernel, shape, arguments)
     }
@@ -72,6 +91,11 @@ impl<'g, G: Gpu> Session<'g, G> {
             return Ok(());
         }
         self.gpu.launch(kernel, Shape::of(count, THREADS), arguments)
+    }
+
+    /// A thread for each entry that a list has room for.
+    pub fn for_all(&mut self, kernel: &str, count: Count, arguments: &[&dyn Argument]) -> Result<(), GpuError> {
+        self.for_each(kernel, count.room(), arguments)
     }
 
     /// The same of a kernel that is given the geometry before all else.
@@ -93,15 +117,14 @@ impl<'g, G: Gpu> Session<'g, G> {
         blocks: usize,
         rest: &[&dyn Argument],
     ) -> Result<(), GpuError> {
-        let count = geometry.meshlets.len() as u32;
-        let mut all: Vec<&dyn Argument> = vec![&count];
+        let mut all: Vec<&dyn Argument> = vec![&geometry.meshlets.count];
         all.extend(rest);
         geometry.with(&all, |arguments| self.gpu.launch(kernel, Shape::row(blocks as u32, THREADS), arguments))
     }
 
     /// A warp for each meshlet, of a kernel that is given the geometry and the number of meshlets before all else.
     pub fn for_meshlets(&mut self, geometry: &Geometry, kernel: &str, rest: &[&dyn Argument]) -> Result<(), GpuError> {
-        let blocks = geometry.meshlets.len().div_ceil(WARPS);
+        let blocks = geometry.meshlets.room().div_ceil(WARPS);
         if blocks == 0 {
             return Ok(());
         }

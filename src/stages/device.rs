@@ -10,8 +10,8 @@ use super::{Options, Precision, Show, Trim, TrimCounts};
 use crate::cuda::evaluate::{memory, view};
 use crate::cuda::frame::Input;
 use crate::cuda::scene::SceneOnDevice;
-use crate::cuda::session::{self as device, Session};
-use crate::cuda::{self, Gpu, frame};
+use crate::cuda::session::Session;
+use crate::cuda::{self, Gpu, GpuError, frame};
 use crate::emulated::{self, TensorCores};
 use crate::scene::Camera;
 
@@ -70,56 +70,70 @@ impl Renderer<'_> {
             Some(scene) => scene,
             None => *self.resident.insert(SceneOnDevice::upload(gpu, self.scene)?),
         };
-        let mut session = Session::new(gpu);
-        let frame = self.frame_in(&mut session, &scene, camera, options);
+        let plan = self.plan.take().filter(|plan| plan.0 == (*options, camera.size));
+        let earlier = plan.map(|plan| plan.1);
+        let mut session = Session::with_plan(gpu, earlier.clone());
+        let mut frame = self.frame_in(&mut session, &scene, camera, options);
+        if earlier.is_some() && !matches!(frame, Ok(Some(_))) {
+            // Something did not fit; what, and whether it can be had, is asked for.
+            session.free()?;
+            session = Session::new(gpu);
+            frame = self.frame_in(&mut session, &scene, camera, options);
+        }
+        let plan = session.plan();
+        let plan = earlier.map_or(plan.clone(), |earlier| plan.or(&earlier));
         session.free()?;
-        let mut frame = frame?;
+        let mut frame = frame?.ok_or(RenderError::Gpu(GpuError::Unsettled))?;
+        // Sizes of textures are asked for in any case.
+        self.plan = (options.trim != Trim::Texture).then_some(((*options, camera.size), plan));
         if options.show != Show::Shaded {
             self.explain(&mut frame)?;
         }
         Ok(frame)
     }
 
+    /// None: there was no room for something.
     fn frame_in<G: Gpu>(
         &self,
         session: &mut Session<G>,
         scene: &SceneOnDevice,
         camera: &Camera,
         options: &Options,
-    ) -> Result<Frame, RenderError> {
+    ) -> Result<Option<Frame>, RenderError> {
         let mut clock = Clock::new();
         session.begin()?;
         let geometry = self.geometry_on(session, scene, camera, options, &mut |stage| clock.stage(stage))?;
-        let GeometryCounts { patches_visible, quads, meshlets_outside, meshlets_inside, meshlets_boundary } =
-            geometry.counts();
-        let DeviceGeometry { leaves, meshlets } = geometry;
-        let all = leaves.geometry(&view(&Lens::new(camera), options), meshlets.meshlets);
-        let vertices = memory(session, &all, options, meshlets.vertices)?;
+        let DeviceGeometry { leaves, meshlets } = &geometry;
+        let mut all = leaves.geometry(&view(&Lens::new(camera), options), meshlets.meshlets);
+        memory(session, &mut all, options, meshlets.vertices)?;
         let input = Input {
-            geometry: device::Geometry { vertices, ..all },
+            geometry: all,
             trims: scene.trims(),
             trimmed: scene.trimmed,
             textured: options.trim == Trim::Texture,
         };
-        let drawn = frame::draw(session, &input, &mut |stage| clock.stage(stage))?;
+        let Some(drawn) = frame::draw(session, &input, &mut |stage| clock.stage(stage))? else { return Ok(None) };
         let filled = drawn.filled.iter().map(|&pixel| Filled { pixel, near: 0, start: None }).collect::<Vec<_>>();
+        let GeometryCounts { patches_visible, quads, meshlets_outside, meshlets_inside, meshlets_boundary } =
+            geometry.counts(session)?;
         let counts = TrimCounts { meshlets_outside, meshlets_inside, meshlets_boundary, ..TrimCounts::default() };
         let stats = Stats {
             stages: clock.stages_by(&session.times()?),
             patches: self.scene.instances.iter().map(|i| i.patches.len() as u64).sum(),
             patches_visible,
-            leaves: leaves.patches.len() as u64,
-            meshlets: meshlets.meshlets.len() as u64,
+            leaves: session.length(geometry.leaves.count)?,
+            meshlets: session.length(geometry.meshlets.meshlets.count)?,
             quads,
             triangles: 2 * quads,
             filled: filled.len() as u64,
             drawn: drawn.near.iter().filter(|&&word| word != 0).count() as u64,
             trim: drawn.trim.plus(counts),
             buffer_bytes: drawn.buffer_bytes,
+            asked: session.asks(),
         };
         let targets = Targets::of(drawn.near, drawn.parameters, drawn.color);
         let surface = Surface::Pixels(drawn.shown);
-        Ok(Frame { camera: *camera, options: *options, stats, targets, surface, filled })
+        Ok(Some(Frame { camera: *camera, options: *options, stats, targets, surface, filled }))
     }
 
     /// Paints the pictures that explain a frame: by the CPU, of its own grids, which are the same.

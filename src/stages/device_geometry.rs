@@ -72,7 +72,7 @@ impl Renderer<'_> {
         let geometry = self.geometry_on(&mut session, &scene, camera, options, &mut |_| {});
         let staged = geometry.and_then(|geometry| {
             let staged = download(&mut session, &geometry)?;
-            Ok((Staged { view: view(&Lens::new(camera), options), ..staged }, geometry.counts()))
+            Ok((Staged { view: view(&Lens::new(camera), options), ..staged }, geometry.counts(&mut session)?))
         });
         session.free()?;
         scene.free(gpu)?;
@@ -132,14 +132,16 @@ impl Renderer<'_> {
 }
 
 impl DeviceGeometry {
-    pub fn counts(&self) -> GeometryCounts {
-        GeometryCounts {
-            patches_visible: self.leaves.patches_visible,
-            quads: self.meshlets.quads,
-            meshlets_outside: self.meshlets.outside,
-            meshlets_inside: self.meshlets.inside,
-            meshlets_boundary: self.meshlets.boundary,
-        }
+    /// Waits for them, unless the frame has ended.
+    pub fn counts<G: Gpu>(&self, session: &mut Session<G>) -> Result<GeometryCounts, GpuError> {
+        let meshlets::Counted { quads, inside, boundary, outside } = self.meshlets.counted(session)?;
+        Ok(GeometryCounts {
+            patches_visible: self.leaves.patches_visible(session)?,
+            quads,
+            meshlets_outside: outside,
+            meshlets_inside: inside,
+            meshlets_boundary: boundary,
+        })
     }
 }
 
@@ -148,10 +150,10 @@ fn download<G: Gpu>(session: &mut Session<G>, geometry: &DeviceGeometry) -> Resu
     Ok(Staged {
         patches: session.download(&leaves.patches)?,
         leaves: session.download(&leaves.leaves)?,
-        meshlets: session.download(&meshlets.meshlets)?,
+        meshlets: session.download(&meshlets.meshlets.buffer)?,
         nets: session.download(&leaves.nets)?,
         basis: session.download(&leaves.basis)?,
-        vertices: meshlets.vertices as usize,
+        vertices: session.length(meshlets.vertices)? as usize,
         ..Staged::default()
     })
 }

@@ -18,6 +18,7 @@ use super::trim::trim;
 use super::trim_cut::gaps;
 use super::trim_texture::textures;
 use super::{Bound, FrameShape, Options, Precision, Trim};
+use crate::cuda::count::Plan;
 use crate::cuda::selection::{Clocks, Selection};
 use crate::cuda::{self, GpuError, abi, evaluate::Staged, scene::SceneOnDevice};
 use crate::scene::{Camera, PatchTrim, Scene};
@@ -119,6 +120,8 @@ pub struct Renderer<'a> {
     /// What the engine's device has of the scene.
     pub(super) resident: Option<SceneOnDevice>,
     clocks: &'static Clocks,
+    /// What the last frame of the same options and size had to ask the device for.
+    pub(super) plan: Option<((Options, [u32; 2]), Plan)>,
     tables: BasisTables,
     spare_targets: Option<Targets>,
 }
@@ -138,7 +141,7 @@ impl<'a> Renderer<'a> {
 
     pub fn with(scene: &'a Scene, engine: Engine) -> Self {
         let clocks = Clocks::of(engine.compute_capability());
-        Self { scene, engine, resident: None, clocks, tables: BasisTables::new(), spare_targets: None }
+        Self { scene, engine, resident: None, clocks, plan: None, tables: BasisTables::new(), spare_targets: None }
     }
 
     /// By what kernels' patches get their arithmetic.
@@ -214,6 +217,7 @@ impl<'a> Renderer<'a> {
             buffer_bytes: targets.bytes()
                 + trim.texture_bytes
                 + (meshlets.bytes() + size_of_val(&nets[..]) + size_of_val(&leaves[..])) as u64,
+            asked: false,
         };
         let surface = Surface::Grids { leaves, grids, meshlets };
         Ok(Frame { camera: *camera, options: *options, stats, targets, surface, filled })

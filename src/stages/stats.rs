@@ -30,6 +30,9 @@ pub struct Stats {
     pub drawn: u64,
     pub trim: TrimCounts,
     pub buffer_bytes: u64,
+    /// On a device: lists got their room by asking how long they are, as in a first frame, or in one that needs much more of
+    /// something than the last. Others ask for nothing before their end.
+    pub asked: bool,
 }
 
 /// Times stages that follow each other.

@@ -1,6 +1,7 @@
 //! Random nets for the kernels that evaluate meshlets, and what an evaluation in f64 says of them.
 
 use crate::support::Random;
+use halfpixel::cuda::Count;
 use halfpixel::cuda::abi::{Meshlet, Patch, Point, SUBPIXELS, Vertex, View};
 use halfpixel::cuda::precision::Hull;
 use halfpixel::emulated::{Device, Shape};
@@ -196,7 +197,7 @@ impl Scene {
             &nets.pointer() as _,
             &basis.pointer() as _,
             &vertices.pointer() as _,
-            &count as _,
+            &Count::known(count) as _,
         ];
         device.launch(kernel, Shape::row(count.div_ceil(4), 128), &arguments).expect("a launch");
         device.download(&vertices).expect("vertices")

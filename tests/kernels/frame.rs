@@ -28,22 +28,27 @@ pub fn same(scene: &Scene, view: &ViewSpec, options: &Options, schedule: Schedul
     counts[0]
 }
 
+/// A frame is the CPU's.
+pub fn expect_same(found: &Frame, expected: &Frame, what: &str) {
+    let [width, height] = expected.size();
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    let different: Vec<_> = pixels.filter(|&(x, y)| differ(found, expected, x, y)).collect();
+    let show =
+        |frame: &Frame, (x, y)| format!("{:x} {:?} {:?}", frame.word(x, y), frame.pixel(x, y), frame.color(x, y));
+    let first: Vec<String> = (different.iter().take(3))
+        .map(|&at| format!("{at:?}: {}\n  instead of {}", show(found, at), show(expected, at)))
+        .collect();
+    assert!(different.is_empty(), "{what}: {} pixels differ\n{}", different.len(), first.join("\n"));
+    assert_eq!(found.stats.filled, expected.stats.filled, "{what}");
+    assert_eq!(found.stats.drawn, expected.stats.drawn, "{what}");
+}
+
 fn same_in(scene: &Scene, view: &ViewSpec, options: &Options, schedule: Schedule, what: &str) -> TrimCounts {
     let camera = view.camera(&scene.bounds).expect("a camera");
     let expected = Renderer::new(scene).render(&camera, options).expect("a frame");
     let engine = Engine::Emulated(Box::new(Device::new(schedule, 2)));
     let found = Renderer::with(scene, engine).render(&camera, options).expect("no fault");
-    let [width, height] = camera.size;
-    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    let different: Vec<_> = pixels.filter(|&(x, y)| differ(&found, &expected, x, y)).collect();
-    let show =
-        |frame: &Frame, (x, y)| format!("{:x} {:?} {:?}", frame.word(x, y), frame.pixel(x, y), frame.color(x, y));
-    let first: Vec<String> = (different.iter().take(3))
-        .map(|&at| format!("{at:?}: {}\n  instead of {}", show(&found, at), show(&expected, at)))
-        .collect();
-    assert!(different.is_empty(), "{what}: {} pixels differ\n{}", different.len(), first.join("\n"));
-    assert_eq!(found.stats.filled, expected.stats.filled, "{what}");
-    assert_eq!(found.stats.drawn, expected.stats.drawn, "{what}");
+    expect_same(&found, &expected, what);
     let textures = |frame: &Frame| [frame.stats.trim.textures_too_coarse, frame.stats.trim.texture_bytes];
     assert_eq!(textures(&found), textures(&expected), "{what}");
     expected.stats.trim

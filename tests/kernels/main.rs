@@ -33,6 +33,7 @@ mod fresh;
 mod geometry;
 #[cfg(host_kernels)]
 mod numbers;
+mod planned;
 #[cfg(host_kernels)]
 mod products;
 #[cfg(host_kernels)]

@@ -1,5 +1,6 @@
 //! Trim textures: a texel is set where its centre is inside or a curve passes it, and nowhere else.
 
+use crate::cuda::selection::Selection;
 use crate::import::builtin::builtin;
 use crate::scene::{Region, Scene, ViewSpec, prepare};
 use crate::stages::cull::{Culler, Leaves};
@@ -18,7 +19,9 @@ fn check(scene: &Scene, what: &str) -> [usize; 2] {
     let (lens, options) = (Lens::new(&camera), Options { trim: Trim::Texture, ..Options::default() });
     let mut leaves = Leaves::default();
     for patch in scene.instances[0].patches.clone() {
-        Culler::new(scene, &lens, &options).patch(0, patch as u32, &mut leaves).expect("not too many pieces");
+        Culler::new(scene, &lens, &options, Selection::SINGLE)
+            .patch(0, patch as u32, &mut leaves)
+            .expect("not too many pieces");
     }
     let mut count = [0; 2];
     for cut in leaves.leaves.iter().filter_map(|leaf| Cut::new(scene, &lens, &options, leaf)) {

@@ -6,7 +6,7 @@ pub mod nets;
 use crate::commands::UsageError;
 use crate::commands::backend::{Backend, cuda_missing};
 use crate::cuda::precision::Arithmetic;
-use crate::cuda::{self, Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape, abi};
+use crate::cuda::{self, Argument, Buffer, Count, Gpu, GpuError, Pod, Pointer, Shape, abi};
 use crate::report::{Machine, Spread};
 use crate::stages::Engine;
 use anyhow::Result;
@@ -166,8 +166,9 @@ impl<G: Gpu> Bench<'_, G> {
         };
         let (patches, meshlets, points) = (on.patches.pointer(), on.meshlets.pointer(), on.points.pointer());
         let (basis, slopes) = (on.basis.pointer(), on.slopes.pointer());
+        let all = Count::known(count);
         let arguments: [&dyn Argument; 7] = match what.output {
-            Output::Vertex => [&on.nets.view, &patches, &meshlets, &points, &basis, &out, &count],
+            Output::Vertex => [&on.nets.view, &patches, &meshlets, &points, &basis, &out, &all],
             _ => [&patches, &meshlets, &points, &basis, &slopes, &out, &count],
         };
         self.gpu.launch(&what.kernel, Shape::row(blocks, THREADS), &arguments)
