@@ -4,7 +4,7 @@
 #include "outlines.cuh"
 #include "trim_cut.cuh"
 
-namespace texture {
+namespace trim_texture {
 
 constexpr int WARPS = THREADS / 32;
 using Warp = outlines::Group<32>;
@@ -26,7 +26,8 @@ static __device__ inline void sizes(const View &view, const Patch &patch, Buffer
     }
     const auto apart = [&](int a, int b) {
         const Point p = net[a], q = net[b];
-        const double x = double(p.x) / weight(p) - double(q.x) / weight(q), y = double(p.y) / weight(p) - double(q.y) / weight(q);
+        const double x = double(p.x) / weight(p) - double(q.x) / weight(q);
+        const double y = double(p.y) / weight(p) - double(q.y) / weight(q);
         return sqrt(x * x + y * y);
     };
     double length[2] = {0.0, 0.0};
@@ -44,7 +45,7 @@ static __device__ inline void sizes(const View &view, const Patch &patch, Buffer
 }
 
 // A whole number as an index up to `limit`: 0 for what is less, or none at all.
-static __device__ __forceinline__ uint32_t first(double number, double limit) {
+static __device__ __forceinline__ uint32_t index(double number, double limit) {
     return number > 0.0 ? uint32_t(min(number, limit)) : 0;
 }
 
@@ -70,18 +71,20 @@ static __device__ inline void draw_row(const trims::Trims &trims, const Leaf &le
                                        Buffer<uint32_t> bits) {
     const uint32_t across = texture.size[0], words = trims::words_across(texture);
     const double columns = across, rows = texture.size[1];
-    const auto u = [&](double u) { return (u - leaf.plane_origin[0]) / leaf.plane_size[0] * columns; };
-    const auto v = [&](double offset) { return trims::to_plane(leaf, 0.0, (double(row) + offset) / rows).v; };
-    const TrimTree &tree = trims.trees[leaf.tree];
     for (uint32_t k = 0; k < words; k++) {
         bits[k] = 0;
     }
-    // The first texel whose centre is not before the curve.
-    const auto behind = [&](double p) { return first(ceil(u(p) - 0.5), columns); };
-    const double center = v(0.5);
-    trims::visit(trims, leaf.tree, {{tree.low[0], center}, {tree.high[0], center}}, [&](const TrimClip &clip) {
-        if (clip.heights[0] <= center && center < clip.heights[1]) {
-            const uint32_t column = trims::crossing(trims::Curve(trims, clip.segment), center, behind);
+    const double from = trims::to_plane(leaf, 0.0, double(row) / rows).v, to = trims::to_plane(leaf, 0.0, double(row + 1) / rows).v;
+    const double low = min(from, to), high = max(from, to);
+    const TrimTree &tree = trims.trees[leaf.tree];
+    // One more than the texel that u is on, 0 left of them all.
+    const auto behind = [&](double u) {
+        return index(floor((u - leaf.plane_origin[0]) / leaf.plane_size[0] * columns) + 1.0, columns + 1.0);
+    };
+    const trims::Box side = {{tree.low[0], low}, {tree.high[0], low}}, whole = {{tree.low[0], low}, {tree.high[0], high}};
+    trims::visit(trims, leaf.tree, side, [&](const TrimClip &clip) {
+        if (clip.heights[0] <= low && low < clip.heights[1]) {
+            const uint32_t column = trims::crossing(trims::Curve(trims, clip.segment), low, behind);
             if (column < across) {
                 bits[column / WORD] ^= 1u << column % WORD;
             }
@@ -94,17 +97,13 @@ static __device__ inline void draw_row(const trims::Trims &trims, const Leaf &le
         bits[k] = word;
         before = 0u - (word >> (WORD - 1));
     }
-    // One more than the texel that the curve is on, 0 left of them all.
-    const auto on = [&](double p) { return first(floor(u(p)) + 1.0, columns + 1.0); };
-    const double low = min(v(0.0), v(1.0)), high = max(v(0.0), v(1.0));
-    const trims::Box within = {{tree.low[0], low}, {tree.high[0], high}};
-    trims::visit(trims, leaf.tree, within, [&](const TrimClip &clip) {
+    trims::visit(trims, leaf.tree, whole, [&](const TrimClip &clip) {
         const trims::Curve curve(trims, clip.segment);
-        if (curve.bounds().touches(within)) {
-            const uint32_t a = trims::crossing(curve, low, on), b = trims::crossing(curve, high, on);
-            const uint32_t from = min(a, b), to = max(a, b);
-            if (from <= across && to > 0) {
-                set(bits, max(from, 1u) - 1, min(to, across));
+        if (curve.bounds().touches(whole)) {
+            const uint32_t a = trims::crossing(curve, low, behind), b = trims::crossing(curve, high, behind);
+            const uint32_t first = min(a, b), last = max(a, b);
+            if (first <= across && last > 0) {
+                set(bits, max(first, 1u) - 1, min(last, across));
             }
         }
         return false;
@@ -137,7 +136,7 @@ static __device__ __forceinline__ void triangle(const outlines::Drawn &d, const 
     });
 }
 
-} // namespace texture
+} // namespace trim_texture
 
 // A thread a leaf: its texels, its rows and the words that they take.
 extern "C" __global__ void __launch_bounds__(THREADS)
@@ -151,10 +150,10 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     TrimTexture texture = {};
     if (described[k].tree != NO_TREE) {
         double needed[2];
-        texture::sizes(view, patches[k], nets + patches[k].net, needed);
-        texture.size[0] = uint32_t(min(needed[0], texture::LARGEST));
-        texture.size[1] = uint32_t(min(needed[1], texture::LARGEST));
-        if (needed[0] > texture::LARGEST || needed[1] > texture::LARGEST) {
+        trim_texture::sizes(view, patches[k], nets + patches[k].net, needed);
+        texture.size[0] = uint32_t(min(needed[0], trim_texture::LARGEST));
+        texture.size[1] = uint32_t(min(needed[1], trim_texture::LARGEST));
+        if (needed[0] > trim_texture::LARGEST || needed[1] > trim_texture::LARGEST) {
             atomicAdd(as<Word>(&counts[0].too_coarse), Word(1));
         }
     }
@@ -187,7 +186,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     texture.size[0] = textures[low].size[0];
     texture.size[1] = textures[low].size[1];
     const uint64_t place = first_words[low] + uint64_t(row) * trims::words_across(texture);
-    texture::draw_row(trims, described[low], texture, row, texels + place);
+    trim_texture::draw_row(trims, described[low], texture, row, texels + place);
 }
 KERNEL(texture_rows)
 
@@ -196,25 +195,25 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     texture_meshlets(GEOMETRY, Count count, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
                      Buffer<TextureCounts> counts) {
     const Geometry in = GEOMETRY_ARGUMENTS;
-    const uint32_t number = blockIdx.x * texture::WARPS + threadIdx.x / 32;
+    const uint32_t number = blockIdx.x * trim_texture::WARPS + threadIdx.x / 32;
     if (number >= count.get() || !in.meshlets[number].tested) {
         return;
     }
     const Meshlet m = in.meshlets[number];
     const Patch &patch = in.patches[m.patch];
-    SHARED(Vertex, tiles, [texture::WARPS][64]);
+    SHARED(Vertex, tiles, [trim_texture::WARPS][64]);
     const Span<Vertex> tile = tiles[threadIdx.x / 32];
-    const texture::Warp warp = texture::Warp::here();
+    const trim_texture::Warp warp = trim_texture::Warp::here();
     outlines::load(warp, in, m, tile);
     const outlines::Drawn d = {view, in, m, patch, in.leaves[m.patch], number, tile};
-    texture::Looked looked = {0, 0};
+    trim_texture::Looked looked = {0, 0};
     outlines::for_all(
         warp, topology::triangles(m),
         [&](int k) {
             const Corners c = d.corners(topology::triangle(m, patch.diagonal, k));
             return faces_away(c, patch.hidden) ? 0 : outlines::pixels_of(coverage::box_of(view, c));
         },
-        [&](int k, int first, int step) { texture::triangle(d, trims, k, first, step, near, looked); });
+        [&](int k, int first, int step) { trim_texture::triangle(d, trims, k, first, step, near, looked); });
     const uint32_t tested = __reduce_add_sync(~0u, looked.tested), rejected = __reduce_add_sync(~0u, looked.rejected);
     if (warp.lane == 0 && tested > 0) {
         atomicAdd(as<Word>(&counts[0].tested), Word(tested));

@@ -1,12 +1,12 @@
 //! `--trim texture`: a parity texture for each leaf that loops cut, sized for the error (Guthe, Balázs & Klein 2005,
 //! sections 4 and 5.3); kept for comparison.
 //!
-//! A texel is no farther from the next than the tolerance on the screen, and set where its centre is inside or a curve
-//! passes it: Guthe's line strip against cracks. Fragments look it up at their interpolated parameters.
+//! A texel is no farther from the next than the tolerance on the screen, and set where it is inside or a curve passes it:
+//! Guthe's line strip against cracks. Fragments look it up at their interpolated parameters.
 //!
-//! Inside is where an odd number of curves is passed on the way from the left: each crossing of the row through the centres
-//! is a bit at the first centre behind it, and of bits in a row the parities of all before them are taken, a word at a time.
-//! So crossings need no list and no order. Twin: kernels/trim_texture.cu.
+//! A texel that no curve passes is inside where an odd number of curves crosses its row's lower side on the way from the left:
+//! each crossing is a bit at the texel behind the one it is on, and of bits in a row the parities of all before them are taken,
+//! a word at a time. So crossings need no list and no order. Twin: kernels/trim_texture.cu.
 
 use super::cull::Leaf;
 use super::interpolate::Shown;
@@ -94,11 +94,11 @@ impl Texture {
 /// One row of texels.
 fn draw_row(cut: &Cut, size: [usize; 2], row: usize, bits: &mut [u32]) {
     let columns = size[0] as f64;
-    let u = |u: f64| cut.leaf_point([u, 0.0])[0] * columns;
-    let v = |offset: f64| cut.to_plane([0.0, (row as f64 + offset) / size[1] as f64])[1];
-    // The first texel whose centre is not before the curve.
-    let behind = |p: f64| first((u(p) - 0.5).ceil(), columns);
-    cut.tree.crossings(v(0.5), behind, &mut |column| {
+    let [a, b] = [row, row + 1].map(|row| cut.to_plane([0.0, row as f64 / size[1] as f64])[1]);
+    let (low, high) = (a.min(b), a.max(b));
+    // One more than the texel that u is on, 0 left of them all.
+    let behind = |u: f64| index((cut.leaf_point([u, 0.0])[0] * columns).floor() + 1.0, columns + 1.0);
+    cut.tree.crossings(low, behind, &mut |column| {
         if column < size[0] {
             bits[column / WORD] ^= 1 << (column % WORD);
         }
@@ -108,18 +108,16 @@ fn draw_row(cut: &Cut, size: [usize; 2], row: usize, bits: &mut [u32]) {
         *word = parities(*word) ^ before;
         before = 0u32.wrapping_sub(*word >> (WORD - 1));
     }
-    // One more than the texel that the curve is on, 0 left of them all.
-    let on = |p: f64| first(u(p).floor() + 1.0, columns + 1.0);
-    cut.tree.strips([v(0.0), v(1.0)], on, &mut |[a, b]| {
-        let (from, to) = (a.min(b), a.max(b));
-        if from <= size[0] && to > 0 {
-            set(bits, from.saturating_sub(1), to.min(size[0]));
+    cut.tree.strips([low, high], behind, &mut |[a, b]| {
+        let (first, last) = (a.min(b), a.max(b));
+        if first <= size[0] && last > 0 {
+            set(bits, first.saturating_sub(1), last.min(size[0]));
         }
     });
 }
 
 /// A whole number as an index up to `limit`: 0 for what is less, or none at all.
-fn first(number: f64, limit: f64) -> usize {
+fn index(number: f64, limit: f64) -> usize {
     if number > 0.0 { number.min(limit) as usize } else { 0 }
 }
 

@@ -1,4 +1,4 @@
-//! Trim textures: a texel is set where its centre is inside or a curve passes it, and nowhere else.
+//! Trim textures: a texel is set where it is inside or a curve passes it, and nowhere else.
 
 use crate::cuda::selection::Selection;
 use crate::import::builtin::builtin;
