@@ -195,6 +195,16 @@ struct alignas(16) Fragment {
     uint32_t unused;
 };
 
+/// Rows of a large triangle, for a warp of its own.
+struct alignas(16) Band {
+    uint32_t meshlet;
+    /// Index of a triangle in it, or none.
+    uint32_t triangle;
+    /// The first one.
+    uint32_t row;
+    uint32_t unused;
+};
+
 /// Where the search for a pixel's surface begins.
 struct Start {
     /// Patch parameters, before and after.

@@ -4,7 +4,7 @@
 // frame draws all meshlets by warps, from vertices in memory. The fused frame sorts them into classes first, so that small
 // grids leave no lane idle (research "kernel-study", question 3), and evaluates the vertices here: only shared memory sees
 // them. Small grids that are large on the screen go to the class of large ones.
-#include "outlines.cuh"
+#include "bands.cuh"
 
 namespace rasterize {
 
@@ -18,14 +18,18 @@ struct List {
     uint32_t length;
 };
 
-// Places in the list of counts: meshlets of each class.
-constexpr int CORNERS = 0, NARROW = 1, WIDE = 2;
+// Classes of meshlets, each by degrees: 1, 2, 3, and all others. A warp whose meshlets are alike does as one.
+constexpr int CORNERS = 0, NARROW = 1, WIDE = 2, CLASSES = 3, DEGREES = 4;
+// Places in the list of counts: meshlets by class and degree, how many of them have been listed, and what few lanes handed on
+// to the wide ones.
+constexpr int CURSORS = CLASSES * DEGREES, HANDED_ON = 2 * CLASSES * DEGREES;
 // Pixels of a meshlet's box that few lanes are enough for.
 constexpr i64 MOST_PIXELS = 4096;
 
+// Triangles that are too many pixels for a warp are handed on.
 template <int LANES>
 static __device__ __forceinline__ void triangles(const outlines::Group<LANES> &group, const outlines::Drawn &d,
-                                                 Buffer<Word> near) {
+                                                 Buffer<Word> near, const bands::Bands &bands) {
     const auto corners = [&](int k) { return d.corners(topology::triangle(d.m, d.patch.diagonal, k)); };
     outlines::for_all(
         group, topology::triangles(d.m),
@@ -34,7 +38,14 @@ static __device__ __forceinline__ void triangles(const outlines::Group<LANES> &g
             return faces_away(c, d.patch.hidden) ? 0 : outlines::pixels_of(coverage::box_of(d.view, c));
         },
         [&](int k, int first, int step) {
-            coverage::each(d.view, corners(k), d.id(k), first, step, [&](int x, int y, Word word) {
+            const Corners c = corners(k);
+            const PixelBox box = coverage::box_of(d.view, c);
+            if constexpr (LANES == 32) {
+                if (step > 1 && bands.take(box) && bands.hand_on(group, d.number, k, box)) {
+                    return;
+                }
+            }
+            coverage::each(box, c, d.id(k), first, step, [&](int x, int y, Word word) {
                 keep_larger(near, uint32_t(y) * d.view.size[0] + x, word);
             });
         });
@@ -52,6 +63,15 @@ static __device__ __forceinline__ bool is_large(const View &view, const Meshlet 
     return outlines::pixels_of(pixels_in(view, {low_x, high_x}, {low_y, high_y})) > MOST_PIXELS;
 }
 
+// Meshlets of a class with degrees below one's place.
+static __device__ __forceinline__ uint32_t before(Buffer<const uint32_t> counts, int which, int degree) {
+    uint32_t sum = 0;
+    for (int k = 0; k < degree; k++) {
+        sum += counts[which * DEGREES + k];
+    }
+    return sum;
+}
+
 // What is drawn: triangles into the near buffer, or, once that is done, strokes into the spare one. Apart, they take half the
 // registers.
 enum Part { TRIANGLES, STROKES };
@@ -59,6 +79,7 @@ enum Part { TRIANGLES, STROKES };
 struct Targets {
     Buffer<Word> near;
     Buffer<Word> spare;
+    bands::Bands bands;
 };
 
 template <int LANES>
@@ -92,10 +113,10 @@ static __device__ __forceinline__ void meshlets(const Geometry &in, uint32_t cou
         const outlines::Drawn d = {in.view, in, m, in.patches[m.patch], in.leaves[m.patch], number, tile};
         if (LANES < 32 && is_large(in.view, m, tile)) {
             if (PART == TRIANGLES && group.lane == 0) {
-                wide[atomicAdd(&counts[WIDE], 1u)] = number;
+                wide[before(counts, WIDE, DEGREES) + atomicAdd(&counts[HANDED_ON], 1u)] = number;
             }
         } else if (PART == TRIANGLES) {
-            triangles(group, d, targets.near);
+            triangles(group, d, targets.near, targets.bands);
         } else {
             strokes(group, d, count, targets);
         }
@@ -108,10 +129,10 @@ static __device__ __forceinline__ void meshlets(const Geometry &in, uint32_t cou
 
 // All meshlets but those that trim tests, by warps.
 extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)
-    rasterize_triangles(GEOMETRY, Count all, Buffer<Word> near) {
+    rasterize_triangles(GEOMETRY, Count all, Buffer<Word> near, const __grid_constant__ bands::Bands bands) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t count = all.get();
-    rasterize::meshlets<rasterize::TRIANGLES, 32, 64>(in, count, {{}, count}, {}, {}, {near, {}});
+    rasterize::meshlets<rasterize::TRIANGLES, 32, 64>(in, count, {{}, count}, {}, {}, {near, {}, bands});
 }
 KERNEL(rasterize_triangles)
 
@@ -119,43 +140,68 @@ extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)
     rasterize_strokes(GEOMETRY, Count all, Buffer<Word> near, Buffer<Word> spare) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t count = all.get();
-    rasterize::meshlets<rasterize::STROKES, 32, 64>(in, count, {{}, count}, {}, {}, {near, spare});
+    rasterize::meshlets<rasterize::STROKES, 32, 64>(in, count, {{}, count}, {}, {}, {near, spare, {}});
 }
 KERNEL(rasterize_strokes)
 
-// Sorts them into classes: three lists with room for all, and `counts` how many each has.
-extern "C" __global__ void __launch_bounds__(THREADS)
-    rasterize_classes(Buffer<const Meshlet> meshlets, Count count, Buffer<uint32_t> corners, Buffer<uint32_t> narrow,
-                      Buffer<uint32_t> wide, Buffer<uint32_t> counts) {
-    const uint32_t k = blockIdx.x * THREADS + threadIdx.x;
-    int which = -1;
-    if (k < count.get() && !meshlets[k].tested) {
-        const Meshlet m = meshlets[k];
-        const int points = (m.quads[0] + 1) * (m.quads[1] + 1);
-        which = points == 4 ? rasterize::CORNERS : points <= 16 ? rasterize::NARROW : rasterize::WIDE;
+namespace rasterize {
+
+// Where a meshlet belongs: class and degree; -1: trim draws it.
+static __device__ __forceinline__ int bin_of(const Meshlet &m, const Patch &patch) {
+    if (m.tested) {
+        return -1;
     }
-    // One atomic for all of a warp's in one class.
-    const unsigned peers = __match_any_sync(~0u, which);
+    const int points = (m.quads[0] + 1) * (m.quads[1] + 1);
+    const int which = points == 4 ? CORNERS : points <= 16 ? NARROW : WIDE;
+    return which * DEGREES + min(max(max(int(patch.degree[0]), int(patch.degree[1])), 1), DEGREES) - 1;
+}
+
+// One more of a bin, with one atomic for all of a warp's; all lanes together. Its place among those of the bin.
+static __device__ __forceinline__ uint32_t next(Buffer<uint32_t> counters, int bin) {
+    const unsigned peers = __match_any_sync(~0u, bin);
     const int leader = __ffs(peers) - 1, lane = threadIdx.x % 32;
     uint32_t first = 0;
-    if (lane == leader && which >= 0) {
-        first = atomicAdd(&counts[which], uint32_t(__popc(peers)));
+    if (lane == leader && bin >= 0) {
+        first = atomicAdd(&counters[bin], uint32_t(__popc(peers)));
     }
-    first = __shfl_sync(~0u, first, leader) + __popc(peers & ((1u << lane) - 1));
-    if (which >= 0) {
-        const Buffer<uint32_t> list = which == rasterize::CORNERS ? corners : which == rasterize::NARROW ? narrow : wide;
-        list[first] = k;
-    }
+    return __shfl_sync(~0u, first, leader) + __popc(peers & ((1u << lane) - 1));
+}
+
+} // namespace rasterize
+
+// Counts them by class and degree.
+extern "C" __global__ void __launch_bounds__(THREADS)
+    rasterize_classes(Buffer<const Patch> patches, Buffer<const Meshlet> meshlets, Count count, Buffer<uint32_t> counts) {
+    const uint32_t k = blockIdx.x * THREADS + threadIdx.x;
+    rasterize::next(counts, k < count.get() ? rasterize::bin_of(meshlets[k], patches[meshlets[k].patch]) : -1);
 }
 KERNEL(rasterize_classes)
+
+// Sorts them: three lists with room for all, each in order of degrees.
+extern "C" __global__ void __launch_bounds__(THREADS)
+    rasterize_sort(Buffer<const Patch> patches, Buffer<const Meshlet> meshlets, Count count, Buffer<uint32_t> counts,
+                   Buffer<uint32_t> corners, Buffer<uint32_t> narrow, Buffer<uint32_t> wide) {
+    const uint32_t k = blockIdx.x * THREADS + threadIdx.x;
+    const int bin = k < count.get() ? rasterize::bin_of(meshlets[k], patches[meshlets[k].patch]) : -1;
+    const uint32_t place = rasterize::next(counts + rasterize::CURSORS, bin);
+    if (bin >= 0) {
+        const int which = bin / rasterize::DEGREES;
+        const Buffer<uint32_t> list = which == rasterize::CORNERS ? corners : which == rasterize::NARROW ? narrow : wide;
+        list[rasterize::before(counts, which, bin % rasterize::DEGREES) + place] = k;
+    }
+}
+KERNEL(rasterize_sort)
 
 #define RASTERIZE(name, PART, LANES, VERTICES, CLASS)                                                                  \
     extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)                                           \
         name(GEOMETRY, Count all, Buffer<const uint32_t> numbers, Buffer<uint32_t> wide, Buffer<uint32_t> counts,      \
-             Buffer<Word> near, Buffer<Word> spare) {                                                                  \
+             Buffer<Word> near, Buffer<Word> spare, const __grid_constant__ bands::Bands bands) {                      \
         const Geometry in = GEOMETRY_ARGUMENTS;                                                                        \
-        const rasterize::List list = {numbers, counts[rasterize::CLASS]};                                              \
-        rasterize::meshlets<rasterize::PART, LANES, VERTICES>(in, all.get(), list, wide, counts, {near, spare});       \
+        const bool all_wide = rasterize::CLASS == rasterize::WIDE;                                                     \
+        const uint32_t length = rasterize::before(counts, rasterize::CLASS, rasterize::DEGREES)                        \
+                                + (all_wide ? counts[rasterize::HANDED_ON] : 0);                                       \
+        const rasterize::List list = {numbers, length};                                                                \
+        rasterize::meshlets<rasterize::PART, LANES, VERTICES>(in, all.get(), list, wide, counts, {near, spare, bands}); \
     }                                                                                                                  \
     KERNEL(name)
 
@@ -168,3 +214,19 @@ RASTERIZE(stroke_narrow, STROKES, 8, 16, NARROW)
 // A warp a meshlet.
 RASTERIZE(rasterize_wide, TRIANGLES, 32, 64, WIDE)
 RASTERIZE(stroke_wide, STROKES, 32, 64, WIDE)
+
+// What was handed on, a warp a band.
+extern "C" __global__ void __launch_bounds__(THREADS)
+    rasterize_bands(GEOMETRY, Count, Buffer<Word> near, const __grid_constant__ bands::Bands bands) {
+    const Geometry in = GEOMETRY_ARGUMENTS;
+    bands::for_all(bands, [&](const Band &band) {
+        const Meshlet m = in.meshlets[band.meshlet];
+        const Corners c = topology::corners(in, m, topology::triangle(m, in.patches[m.patch].diagonal, band.triangle));
+        const PixelBox box = bands::box_in(coverage::box_of(view, c), band);
+        const Word id = topology::word(0.0f, band.meshlet, band.triangle);
+        coverage::each(box, c, id, threadIdx.x % 32, 32, [&](int x, int y, Word word) {
+            keep_larger(near, uint32_t(y) * view.size[0] + x, word);
+        });
+    });
+}
+KERNEL(rasterize_bands)

@@ -154,15 +154,20 @@ static __device__ __forceinline__ void each_as(const Corners &c, const PixelBox 
     }
 }
 
+// The same within a part of its box.
 template <class Found>
-static __device__ __forceinline__ void each(const View &view, const Corners &c, Word id, int first, int step, Found found) {
-    const PixelBox box = box_of(view, c);
+static __device__ __forceinline__ void each(const PixelBox &box, const Corners &c, Word id, int first, int step, Found found) {
     const PixelRange x = extent_x(c), y = extent_y(c);
     if (step == 1 && x.high - x.low < SMALL && y.high - y.low < SMALL) {
         each_as<int>(c, box, c.v[0].x, c.v[0].y, id, 0, 1, found);
     } else {
         each_as<i64>(c, box, 0, 0, id, first, step, found);
     }
+}
+
+template <class Found>
+static __device__ __forceinline__ void each(const View &view, const Corners &c, Word id, int first, int step, Found found) {
+    each(box_of(view, c), c, id, first, step, found);
 }
 
 } // namespace coverage

@@ -5,8 +5,8 @@
 // for a whole triangle or for a fragment. The others are listed, refined to the pixel's centre and tested there, so that both
 // faces at an edge cut at the same place; a point outside but within the model's own gap of a curve counts as inside, so that
 // the faces meet.
+#include "bands.cuh"
 #include "interpolate.cuh"
-#include "outlines.cuh"
 #include "shading.cuh"
 #include "trim_cut.cuh"
 
@@ -52,11 +52,11 @@ static __device__ __forceinline__ uint32_t region(const outlines::Drawn &d, cons
     return trims::classify(trims, d.leaf.tree, trims::plane_box(d.leaf, low, high));
 }
 
-// Draws the fragments of a triangle that no curve comes near to, and lists the others.
-static __device__ __forceinline__ void triangle(const outlines::Drawn &d, const trims::Trims &trims, int index, int first,
-                                                int step, Buffer<Word> near, const Queue &queue) {
+// Draws the fragments of a triangle that no curve comes near to, and lists the others; those in a part of its box.
+static __device__ __forceinline__ void triangle(const outlines::Drawn &d, const trims::Trims &trims, int index,
+                                                const Corners &corners, const PixelBox &box, int first, int step,
+                                                Buffer<Word> near, const Queue &queue) {
     const topology::Primitive p = topology::triangle(d.m, d.patch.diagonal, index);
-    const Corners corners = d.corners(p);
     const trims::Spread spread = trims::spread(trims, d.patch, d.leaf, p, corners);
     const uint32_t whole = region(d, trims, p, spread);
     if (whole == REGION_OUTSIDE) {
@@ -78,7 +78,7 @@ static __device__ __forceinline__ void triangle(const outlines::Drawn &d, const 
             queue.push(pixel, word);
         }
     };
-    coverage::each(d.view, corners, d.id(index), first, step, found);
+    coverage::each(box, corners, d.id(index), first, step, found);
 }
 
 // A fragment for the spare buffer. One that stays as it is shows its own parameters, so that these are tested; one that only
@@ -108,7 +108,7 @@ static __device__ __forceinline__ bool keeps_stroke(const outlines::Drawn &d, co
 // The tested meshlets; a grid of ceil(count / 4) blocks. `counted`: trim::COUNTS of them.
 extern "C" __global__ void __launch_bounds__(THREADS)
     trim_meshlets(GEOMETRY, Count count, const __grid_constant__ trims::Trims trims, Buffer<Word> near, uint32_t room,
-                  Buffer<Fragment> queue, Buffer<uint64_t> counted) {
+                  Buffer<Fragment> queue, Buffer<uint64_t> counted, const __grid_constant__ bands::Bands bands) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * trim::WARPS + threadIdx.x / 32;
     if (number >= count.get() || !in.meshlets[number].tested) {
@@ -127,9 +127,32 @@ extern "C" __global__ void __launch_bounds__(THREADS)
             const Corners c = d.corners(topology::triangle(m, patch.diagonal, k));
             return faces_away(c, patch.hidden) ? 0 : outlines::pixels_of(coverage::box_of(view, c));
         },
-        [&](int k, int first, int step) { trim::triangle(d, trims, k, first, step, near, {queue, counted, room}); });
+        [&](int k, int first, int step) {
+            const Corners c = d.corners(topology::triangle(m, patch.diagonal, k));
+            const PixelBox box = coverage::box_of(view, c);
+            if (step == 1 || !bands.take(box) || !bands.hand_on(warp, number, k, box)) {
+                trim::triangle(d, trims, k, c, box, first, step, near, {queue, counted, room});
+            }
+        });
 }
 KERNEL(trim_meshlets)
+
+// What was handed on, a warp a band.
+extern "C" __global__ void __launch_bounds__(THREADS)
+    trim_bands(GEOMETRY, Count, const __grid_constant__ trims::Trims trims, Buffer<Word> near, uint32_t room,
+               Buffer<Fragment> queue, Buffer<uint64_t> counted, const __grid_constant__ bands::Bands bands) {
+    const Geometry in = GEOMETRY_ARGUMENTS;
+    bands::for_all(bands, [&](const Band &band) {
+        const Meshlet m = in.meshlets[band.meshlet];
+        const Patch &patch = in.patches[m.patch];
+        // Nobody asks for the meshlet's other vertices.
+        const outlines::Drawn d = {view, in, m, patch, in.leaves[m.patch], band.meshlet, {}};
+        const Corners c = topology::corners(in, m, topology::triangle(m, patch.diagonal, band.triangle));
+        const PixelBox box = bands::box_in(coverage::box_of(view, c), band);
+        trim::triangle(d, trims, int(band.triangle), c, box, threadIdx.x % 32, 32, near, {queue, counted, room});
+    });
+}
+KERNEL(trim_bands)
 
 // The listed fragments, on the exact surface.
 extern "C" __global__ void __launch_bounds__(THREADS)

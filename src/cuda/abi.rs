@@ -388,6 +388,29 @@ const _: () = {
         "Offset of field: Fragment::unused",
     ][::core::mem::offset_of!(Fragment, unused) - 12usize];
 };
+/// Rows of a large triangle, for a warp of its own.
+#[repr(C)]
+#[repr(align(16))]
+#[derive(Debug, Default, Copy, Clone, PartialEq)]
+pub struct Band {
+    pub meshlet: u32,
+    /// Index of a triangle in it, or none.
+    pub triangle: u32,
+    /// The first one.
+    pub row: u32,
+    pub unused: u32,
+}
+#[allow(clippy::unnecessary_operation, clippy::identity_op)]
+const _: () = {
+    ["Size of Band"][::core::mem::size_of::<Band>() - 16usize];
+    ["Alignment of Band"][::core::mem::align_of::<Band>() - 16usize];
+    ["Offset of field: Band::meshlet"][::core::mem::offset_of!(Band, meshlet) - 0usize];
+    [
+        "Offset of field: Band::triangle",
+    ][::core::mem::offset_of!(Band, triangle) - 4usize];
+    ["Offset of field: Band::row"][::core::mem::offset_of!(Band, row) - 8usize];
+    ["Offset of field: Band::unused"][::core::mem::offset_of!(Band, unused) - 12usize];
+};
 /// Where the search for a pixel's surface begins.
 #[repr(C)]
 #[derive(Debug, Default, Copy, Clone, PartialEq)]

@@ -33,6 +33,8 @@ pub(crate) type Ended<'a> = &'a mut dyn FnMut(&'static str);
 /// What cull, estimate and the list of meshlets left on the device.
 pub(crate) struct Input {
     pub geometry: Geometry,
+    /// In ETER's shape: all meshlets are drawn by warps, from vertices in memory.
+    pub staged: bool,
     pub trims: TrimPointers,
     /// The scene has trims: meshlets may have to be tested, and pixels whose exact depth is not what was taken for it are in
     /// doubt.
@@ -53,6 +55,7 @@ pub(crate) fn draw<G: Gpu>(
 pub(super) struct Stages<'s, 'g, G: Gpu> {
     pub session: &'s mut Session<'g, G>,
     pub geometry: Geometry,
+    pub staged: bool,
     pub trims: TrimPointers,
     pub near: Buffer<u64>,
     pub spare: Buffer<u64>,
@@ -67,11 +70,12 @@ pub(super) type Pixels = List<abi::Filled>;
 
 impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
     fn new(session: &'s mut Session<'g, G>, input: &Input) -> Result<Self, GpuError> {
-        let Input { geometry, trims, .. } = *input;
+        let Input { geometry, staged, trims, .. } = *input;
         let view = geometry.view;
         let pixels = view.size[0] as usize * view.size[1] as usize;
         Ok(Self {
             geometry,
+            staged,
             trims,
             near: session.zeroed(pixels)?,
             spare: session.zeroed(pixels)?,

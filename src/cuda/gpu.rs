@@ -23,7 +23,7 @@ macro_rules! pods {
 }
 pub(crate) use pods;
 pods!(u8 i8 u16 i16 u32 i32 u64 i64 f32 f64);
-pods!(abi::View abi::Patch abi::Leaf abi::Meshlet abi::Point abi::Vertex abi::Filled abi::Start abi::Fragment abi::Shown);
+pods!(abi::View abi::Patch abi::Leaf abi::Meshlet abi::Point abi::Vertex abi::Filled abi::Start abi::Fragment abi::Shown abi::Band);
 pods!(abi::SurfacePoint abi::SurfaceFrame);
 // SAFETY: an array is its elements, without padding between them.
 unsafe impl<T: Pod, const N: usize> Pod for [T; N] {}

@@ -3,6 +3,7 @@
 //! | file | what it does |
 //! |---|---|
 //! | `abi.rs` | the structs of `kernels/abi.h`, made by bindgen |
+//! | `bands.rs` | triangles of many pixels |
 //! | `basis.rs` | Bernstein values of a frame's grids |
 //! | `clocks.rs` | what evaluation costs by arithmetic and device; computed, made by tests/kernel_resources |
 //! | `count.rs` | how long lists are, without waiting for the device |
@@ -39,6 +40,7 @@
 #[allow(missing_docs, non_snake_case)]
 #[rustfmt::skip]
 pub mod abi;
+mod bands;
 mod basis;
 #[rustfmt::skip]
 mod clocks;

@@ -4,8 +4,8 @@ use super::frame::Stages;
 use super::session::THREADS;
 use super::{Argument, Gpu, GpuError};
 
-/// Classes of meshlets of rasterize.cu.
-const CLASSES: usize = 3;
+/// Counts of rasterize.cu: by class and degree, twice, and one more.
+const COUNTS: usize = 2 * 3 * 4 + 1;
 /// Blocks of kernels that go through a list of unknown length: several times as many as any device runs at once.
 const MOST_BLOCKS: usize = 1 << 13;
 
@@ -14,8 +14,10 @@ impl<G: Gpu> Stages<'_, '_, G> {
     /// since they hand what is too large for them on to the widest.
     pub(super) fn rasterize(&mut self) -> Result<(), GpuError> {
         let (near, spare) = (self.near.pointer(), self.spare.pointer());
-        if self.geometry.vertices.is_some() {
-            self.session.for_meshlets(&self.geometry, "rasterize_triangles", &[&near])?;
+        let bands = self.bands()?;
+        if self.staged {
+            self.session.for_meshlets(&self.geometry, "rasterize_triangles", &[&near, &bands])?;
+            self.draw_bands("rasterize_bands", bands, &[&near])?;
             return self.session.for_meshlets(&self.geometry, "rasterize_strokes", &[&near, &spare]);
         }
         let (count, all) = (self.geometry.meshlets.room(), self.geometry.meshlets.count);
@@ -24,16 +26,20 @@ impl<G: Gpu> Stages<'_, '_, G> {
         }
         let mut list = || self.session.allocate::<u32>(count).map(|list| list.pointer());
         let (corners, narrow, wide) = (list()?, list()?, list()?);
-        let counts = self.session.zeroed::<u32>(CLASSES)?.pointer();
-        let meshlets = self.geometry.meshlets.pointer();
-        let lists: [&dyn Argument; 6] = [&meshlets, &all, &corners, &narrow, &wide, &counts];
-        self.session.for_each("rasterize_classes", count, &lists)?;
+        let counts = self.session.zeroed::<u32>(COUNTS)?.pointer();
+        let (patches, meshlets) = (self.geometry.patches.pointer(), self.geometry.meshlets.pointer());
+        let lists: [&dyn Argument; 7] = [&patches, &meshlets, &all, &counts, &corners, &narrow, &wide];
+        self.session.for_each("rasterize_classes", count, &lists[..4])?;
+        self.session.for_each("rasterize_sort", count, &lists)?;
         for part in ["rasterize", "stroke"] {
             for (class, lanes, numbers) in [("corners", 1, corners), ("narrow", 8, narrow), ("wide", 32, wide)] {
                 // The host does not know how many there are: blocks go on until the list ends.
                 let blocks = (count * lanes).div_ceil(THREADS as usize).min(MOST_BLOCKS);
-                let rest: [&dyn Argument; 5] = [&numbers, &wide, &counts, &near, &spare];
+                let rest: [&dyn Argument; 6] = [&numbers, &wide, &counts, &near, &spare, &bands];
                 self.session.blocks(&self.geometry, &format!("{part}_{class}"), blocks, &rest)?;
+            }
+            if part == "rasterize" {
+                self.draw_bands("rasterize_bands", bands, &[&near])?;
             }
         }
         Ok(())

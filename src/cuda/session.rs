@@ -144,10 +144,12 @@ impl<'g, G: Gpu> Session<'g, G> {
         Ok(())
     }
 
-    /// A stage ends: what was launched has ended. The next one begins.
+    /// A stage ends, and the next one begins. Where the frame asks for numbers, what was launched has ended.
     pub fn finish(&mut self) -> Result<(), GpuError> {
         self.marks.push(self.gpu.mark()?);
-        self.gpu.finish()?;
+        if self.asks() {
+            self.gpu.finish()?;
+        }
         self.close();
         if let Some(next) = STAGES.get(self.marks.len() - 1) {
             self.open(next);

@@ -11,8 +11,10 @@ impl<G: Gpu> Stages<'_, '_, G> {
         let guess = self.pixels() / 4 + 1;
         let (queue, counted) = self.list(guess, "fragments to test", |stages, queue, counted| {
             let (room, queue) = (queue.len() as u32, queue.pointer());
-            let rest: [&dyn Argument; 5] = [&trims, &near, &room, &queue, &counted];
-            stages.session.for_meshlets(&stages.geometry, "trim_meshlets", &rest)
+            let bands = stages.bands()?;
+            let rest: [&dyn Argument; 6] = [&trims, &near, &room, &queue, &counted, &bands];
+            stages.session.for_meshlets(&stages.geometry, "trim_meshlets", &rest)?;
+            stages.draw_bands("trim_bands", bands, &rest[..5])
         })?;
         let list: Pointer<abi::Fragment> = queue.pointer();
         let rest: [&dyn Argument; 6] = [&trims, &near, &spare, &list, &queue.count, &counted];

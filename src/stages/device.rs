@@ -6,7 +6,7 @@ use super::frame::{Frame, Geometry, RenderError, Renderer, Surface, Targets};
 use super::lens::Lens;
 use super::shade::{Shader, repaint};
 use super::stats::{Clock, Stats};
-use super::{Options, Precision, Show, Trim, TrimCounts};
+use super::{FrameShape, Options, Precision, Show, Trim, TrimCounts};
 use crate::cuda::evaluate::{memory, view};
 use crate::cuda::frame::Input;
 use crate::cuda::scene::SceneOnDevice;
@@ -108,6 +108,7 @@ impl Renderer<'_> {
         memory(session, &mut all, options, meshlets.vertices)?;
         let input = Input {
             geometry: all,
+            staged: options.frame == FrameShape::Staged,
             trims: scene.trims(),
             trimmed: scene.trimmed,
             textured: options.trim == Trim::Texture,

@@ -122,6 +122,20 @@ fn real_models_are_drawn_alike() {
     }
 }
 
+/// Triangles that many warps draw: across the whole image, trimmed and not.
+#[test]
+fn large_triangles_are_drawn_alike() {
+    for (name, zoom) in
+        [("teapot", 300.0), ("drum", 30.0), ("trimmed:plate", 4.0), ("trimmed:drilled", 20.0), ("trimmed:wedge", 1.0)]
+    {
+        let scene = scene(&format!("builtin:{name}"));
+        for orthographic in [false, true] {
+            let view = ViewSpec { size: [400, 300], zoom, orthographic, ..ViewSpec::default() };
+            same(&scene, &view, &Options::default(), Schedule::default(), &format!("{name} {orthographic}"));
+        }
+    }
+}
+
 #[test]
 fn frames_are_the_same_in_any_order() {
     let scene = scene("builtin:trimmed:drilled");
