@@ -104,6 +104,7 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         let filled = self.shade(filled, input.trimmed)?;
         self.end("shade", ended)?;
         self.group("download", |stages| {
+            stages.session.run()?;
             if !stages.session.fits()? {
                 return Ok(None);
             }

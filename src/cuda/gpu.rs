@@ -69,6 +69,12 @@ impl<T> Buffer<T> {
         self.length == 0
     }
 
+    /// The same allocation as elements of another type, as many as it has room for.
+    pub(crate) fn of<U>(&self) -> Buffer<U> {
+        let length = self.length * size_of::<T>() / size_of::<U>();
+        Buffer { pointer: Pointer::new(self.pointer.bits), number: self.number, length }
+    }
+
     /// The same allocation as bytes.
     pub(crate) fn bytes(&self) -> Buffer<u8> {
         Buffer { pointer: Pointer::new(self.pointer.bits), number: self.number, length: self.length * size_of::<T>() }
@@ -152,11 +158,28 @@ pub trait Gpu {
     /// All elements.
     fn download<T: Pod>(&mut self, buffer: &Buffer<T>) -> Result<Vec<T>, GpuError>;
 
+    /// Sets every byte to 0.
+    fn clear<T: Pod>(&mut self, buffer: &Buffer<T>) -> Result<(), GpuError>;
+
     /// Gives memory back; what runs still uses it to its end.
     fn free<T: Pod>(&mut self, buffer: Buffer<T>) -> Result<(), GpuError>;
 
     /// Runs a kernel. Arguments must be the kernel's parameters, in order; a buffer is passed as its [`Buffer::pointer`].
     fn launch(&mut self, kernel: &str, shape: Shape, arguments: &[&dyn Argument]) -> Result<(), GpuError>;
+
+    /// From here on what is launched, cleared and marked may be recorded, to be run by [`Gpu::run`]. Nothing may be allocated,
+    /// uploaded or downloaded before that.
+    fn record(&mut self) -> Result<(), GpuError> {
+        Ok(())
+    }
+
+    /// Runs what was recorded.
+    fn run(&mut self) -> Result<(), GpuError> {
+        Ok(())
+    }
+
+    /// Forgets it.
+    fn abandon(&mut self) {}
 
     /// What was launched has ended.
     fn finish(&mut self) -> Result<(), GpuError>;

@@ -15,6 +15,7 @@
 //! | `fill.rs` | the pixels that the spare buffer takes |
 //! | `frame.rs` | the frame after estimate: its buffers and the order of its stages |
 //! | `gpu.rs` | memory and launches: what a frame needs of a device |
+//! | `graph.rs` | a frame's launches as one CUDA graph |
 //! | `leaves.rs` | what the stages that draw a patch know of it |
 //! | `meshlets.rs` | the list of meshlets |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
@@ -55,6 +56,9 @@ pub mod evaluate;
 mod fill;
 pub(crate) mod frame;
 mod gpu;
+// Graphs are the driver's.
+#[allow(unsafe_code)]
+mod graph;
 pub(crate) mod leaves;
 pub(crate) mod meshlets;
 mod module;

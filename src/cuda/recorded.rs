@@ -10,6 +10,10 @@ pub(crate) enum Event {
     Open(&'static str),
     Launch(String),
     Close,
+    Record,
+    Run,
+    /// What can't be done while launches are recorded.
+    Broken(&'static str),
 }
 
 #[derive(Debug, Default)]
@@ -20,6 +24,7 @@ pub(crate) struct Recorded {
     pub launches: Option<usize>,
     /// After a launch of this kernel the first number that is downloaded is this one.
     pub finds: Option<(&'static str, u64)>,
+    pub recording: bool,
 }
 
 impl Recorded {
@@ -31,22 +36,34 @@ impl Recorded {
     }
 }
 
+impl Recorded {
+    fn waits(&mut self, what: &'static str) {
+        if self.recording {
+            self.events.push(Event::Broken(what));
+        }
+    }
+}
+
 impl Gpu for Recorded {
     type Mark = Instant;
 
     fn allocate<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
+        self.waits("allocate");
         Gpu::allocate(&mut self.device, length)
     }
 
     fn zeroed<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
+        self.waits("zeroed");
         Gpu::zeroed(&mut self.device, length)
     }
 
     fn upload<T: Pod>(&mut self, data: &[T]) -> Result<Buffer<T>, GpuError> {
+        self.waits("upload");
         Gpu::upload(&mut self.device, data)
     }
 
     fn download<T: Pod>(&mut self, buffer: &Buffer<T>) -> Result<Vec<T>, GpuError> {
+        self.waits("download");
         if let Some((kernel, number)) = self.finds
             && self.kernels().any(|launched| launched == kernel)
         {
@@ -57,6 +74,10 @@ impl Gpu for Recorded {
             self.device.write(&buffer.bytes(), &bytes)?;
         }
         Gpu::download(&mut self.device, buffer)
+    }
+
+    fn clear<T: Pod>(&mut self, buffer: &Buffer<T>) -> Result<(), GpuError> {
+        Gpu::clear(&mut self.device, buffer)
     }
 
     fn free<T: Pod>(&mut self, buffer: Buffer<T>) -> Result<(), GpuError> {
@@ -71,7 +92,25 @@ impl Gpu for Recorded {
         Gpu::launch(&mut self.device, kernel, shape, arguments)
     }
 
+    fn record(&mut self) -> Result<(), GpuError> {
+        self.recording = true;
+        self.events.push(Event::Record);
+        Ok(())
+    }
+
+    fn run(&mut self) -> Result<(), GpuError> {
+        if std::mem::take(&mut self.recording) {
+            self.events.push(Event::Run);
+        }
+        Ok(())
+    }
+
+    fn abandon(&mut self) {
+        self.recording = false;
+    }
+
     fn finish(&mut self) -> Result<(), GpuError> {
+        self.waits("finish");
         self.device.finish()
     }
 

@@ -3,6 +3,7 @@
 use super::count::{Count, List, Plan, Sizes};
 use super::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape, abi};
 use crate::stages::STAGES;
+use std::collections::VecDeque;
 
 /// Threads a block of kernels that give a thread to each pixel, or to each entry of a list.
 pub(crate) const THREADS: u32 = 128;
@@ -25,6 +26,8 @@ pub(crate) struct Session<'g, G: Gpu> {
     pub(super) sizes: Sizes,
     /// Lists that have to fit.
     pub(super) counts: Vec<Count>,
+    /// Buffers of an earlier frame with the same plan, in the order in which they are wanted.
+    kept: VecDeque<Buffer<u8>>,
 }
 
 /// What `GEOMETRY` in kernels/topology.cuh names.
@@ -42,11 +45,11 @@ pub(crate) struct Geometry {
 
 impl<'g, G: Gpu> Session<'g, G> {
     pub fn new(gpu: &'g mut G) -> Self {
-        Self::with_plan(gpu, None)
+        Self::with_plan(gpu, None, Vec::new())
     }
 
-    /// With room as an earlier frame had to ask for.
-    pub fn with_plan(gpu: &'g mut G, plan: Option<Plan>) -> Self {
+    /// With room as earlier frames had to ask for, and their buffers.
+    pub fn with_plan(gpu: &'g mut G, plan: Option<Plan>, kept: Vec<Buffer<u8>>) -> Self {
         Self {
             gpu,
             owned: Vec::new(),
@@ -57,7 +60,18 @@ impl<'g, G: Gpu> Session<'g, G> {
             found: None,
             sizes: Sizes::of(plan),
             counts: Vec::new(),
+            kept: kept.into(),
         }
+    }
+
+    /// A buffer of the same frame before, if it is as large.
+    fn kept<T: Pod>(&mut self, length: usize) -> Option<Buffer<T>> {
+        let buffer = self.kept.pop_front()?;
+        if buffer.len() == length * size_of::<T>() {
+            return Some(buffer.of());
+        }
+        self.kept.push_front(buffer);
+        None
     }
 
     fn own<T: Pod>(&mut self, buffer: Buffer<T>) -> Buffer<T> {
@@ -66,11 +80,22 @@ impl<'g, G: Gpu> Session<'g, G> {
     }
 
     pub fn allocate<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
-        self.gpu.allocate(length).map(|b| self.own(b))
+        let buffer = match self.kept(length) {
+            Some(kept) => kept,
+            None => self.gpu.allocate(length)?,
+        };
+        Ok(self.own(buffer))
     }
 
     pub fn zeroed<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
-        self.gpu.zeroed(length).map(|b| self.own(b))
+        let buffer = match self.kept(length) {
+            Some(kept) => {
+                self.gpu.clear(&kept)?;
+                kept
+            }
+            None => self.gpu.zeroed(length)?,
+        };
+        Ok(self.own(buffer))
     }
 
     pub fn upload<T: Pod>(&mut self, data: &[T]) -> Result<Buffer<T>, GpuError> {
@@ -136,8 +161,11 @@ impl<'g, G: Gpu> Session<'g, G> {
         self.owned.iter().map(|b| b.len() as u64).sum()
     }
 
-    /// From here the first stage is timed.
+    /// From here the first stage is timed. Where all buffers are there, the frame is recorded and run as a whole.
     pub fn begin(&mut self) -> Result<(), GpuError> {
+        if !self.kept.is_empty() {
+            self.gpu.record()?;
+        }
         self.marks = vec![self.gpu.mark()?];
         self.open("frame");
         self.open(STAGES[0]);
@@ -182,12 +210,26 @@ impl<'g, G: Gpu> Session<'g, G> {
         self.marks.windows(2).map(|pair| self.gpu.between(&pair[0], &pair[1])).collect()
     }
 
+    /// Runs what was recorded.
+    pub fn run(&mut self) -> Result<(), GpuError> {
+        self.gpu.run()
+    }
+
+    /// Ends the frame and leaves its buffers to the next one of the same plan.
+    pub fn keep(mut self) -> Result<Vec<Buffer<u8>>, GpuError> {
+        let owned = std::mem::take(&mut self.owned);
+        self.free()?;
+        Ok(owned)
+    }
+
     /// Frees everything and ends the frame's ranges; a failed frame's too.
     pub fn free(&mut self) -> Result<(), GpuError> {
+        self.gpu.abandon();
         while self.open > 0 {
             self.close();
         }
-        self.owned.drain(..).try_for_each(|buffer| self.gpu.free(buffer))
+        let all = self.owned.drain(..).chain(self.kept.drain(..));
+        all.into_iter().try_for_each(|buffer| self.gpu.free(buffer))
     }
 }
 

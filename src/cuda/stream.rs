@@ -1,6 +1,7 @@
 //! A GPU as the frame uses it: one stream on one device, and its memory.
 
 use super::gpu::bytes_of;
+use super::graph::Graph;
 use super::ranges::Ranges;
 use super::{Argument, Buffer, CudaError, Device, Gpu, GpuError, Kernels, OLDEST_DEVICE, Pod, Pointer, Shape, devices};
 use cudarc::driver::{CudaEvent, CudaFunction, CudaSlice, CudaStream, DevicePtr, result, sys};
@@ -19,6 +20,7 @@ pub struct Stream {
     memory: Vec<Option<CudaSlice<u8>>>,
     unused: Vec<usize>,
     functions: HashMap<String, CudaFunction>,
+    graph: Graph,
     ranges: Ranges,
 }
 
@@ -27,6 +29,7 @@ impl Stream {
     pub fn new(ordinal: usize) -> Result<Self, CudaError> {
         let kernels = Kernels::load(ordinal)?;
         let stream = kernels.context().new_stream().map_err(CudaError::of_driver("making a CUDA stream"))?;
+        keep_memory(ordinal);
         let device = devices()?.into_iter().find(|d| d.ordinal == ordinal);
         let driver = |d: &Device| d.driver.version.clone().unwrap_or_else(|| "unknown".into());
         Ok(Self {
@@ -37,6 +40,7 @@ impl Stream {
             memory: Vec::new(),
             unused: Vec::new(),
             functions: HashMap::new(),
+            graph: Graph::default(),
             ranges: Ranges::new(),
         })
     }
@@ -75,13 +79,26 @@ impl Stream {
     }
 }
 
+/// What frames give back stays with the program: to ask the driver for it again takes longer than to draw.
+/// A device without pools of memory draws the same.
+fn keep_memory(ordinal: usize) {
+    let Ok(device) = result::device::get(ordinal as i32) else { return };
+    let mut all = u64::MAX;
+    let threshold = sys::CUmemPool_attribute::CU_MEMPOOL_ATTR_RELEASE_THRESHOLD;
+    // SAFETY: the device is the driver's own, and its default pool lives as long; the attribute is a u64.
+    let _ = unsafe {
+        result::device::get_default_mem_pool(device)
+            .and_then(|pool| result::mem_pool::set_attribute(pool, threshold, (&raw mut all).cast::<c_void>()))
+    };
+}
+
 /// The driver makes no allocations of nothing.
 fn room<T>(length: usize) -> usize {
     (length * size_of::<T>()).max(1)
 }
 
 impl Gpu for Stream {
-    type Mark = CudaEvent;
+    type Mark = Arc<CudaEvent>;
 
     fn allocate<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
         // SAFETY: the bytes hold anything, as callers are told; kernels write them before anyone reads them.
@@ -119,6 +136,14 @@ impl Gpu for Stream {
         Ok(data)
     }
 
+    fn clear<T: Pod>(&mut self, buffer: &Buffer<T>) -> Result<(), GpuError> {
+        let bytes = self.slice(buffer)?.len();
+        let failed = CudaError::of_driver("clearing memory of the GPU");
+        // SAFETY: the allocation has as many bytes, and is used by this stream alone.
+        let cleared = unsafe { result::memset_d8_async(buffer.pointer.bits, 0, bytes, self.stream.cu_stream()) };
+        Ok(cleared.map_err(failed)?)
+    }
+
     fn free<T: Pod>(&mut self, buffer: Buffer<T>) -> Result<(), GpuError> {
         self.slice(&buffer)?;
         // Given back in the order of the stream: what runs still has it.
@@ -154,13 +179,28 @@ impl Gpu for Stream {
         Ok(self.stream.synchronize().map_err(CudaError::of_driver("waiting for the GPU"))?)
     }
 
-    fn mark(&mut self) -> Result<CudaEvent, GpuError> {
-        // Events that cudarc makes by default tell no time.
-        let event = self.stream.record_event(Some(sys::CUevent_flags::CU_EVENT_DEFAULT));
-        Ok(event.map_err(CudaError::of_driver("recording a CUDA event"))?)
+    fn record(&mut self) -> Result<(), GpuError> {
+        Ok(self.graph.begin(&self.stream)?)
     }
 
-    fn between(&mut self, from: &CudaEvent, to: &CudaEvent) -> Result<f64, GpuError> {
+    fn run(&mut self) -> Result<(), GpuError> {
+        Ok(self.graph.run(&self.stream)?)
+    }
+
+    fn abandon(&mut self) {
+        self.graph.abandon(&self.stream);
+    }
+
+    fn mark(&mut self) -> Result<Arc<CudaEvent>, GpuError> {
+        if self.graph.is_recording() {
+            return Ok(self.graph.mark(&self.stream)?);
+        }
+        // Events that cudarc makes by default tell no time.
+        let event = self.stream.record_event(Some(sys::CUevent_flags::CU_EVENT_DEFAULT));
+        Ok(Arc::new(event.map_err(CudaError::of_driver("recording a CUDA event"))?))
+    }
+
+    fn between(&mut self, from: &Arc<CudaEvent>, to: &Arc<CudaEvent>) -> Result<f64, GpuError> {
         let ms = from.elapsed_ms(to).map_err(CudaError::of_driver("timing by CUDA events"))?;
         Ok(ms.into())
     }

@@ -93,6 +93,10 @@ impl Gpu for Device {
         Ok(Device::download(self, buffer)?)
     }
 
+    fn clear<T: Pod>(&mut self, buffer: &Buffer<T>) -> Result<(), GpuError> {
+        Ok(self.memory.clear(buffer)?)
+    }
+
     fn free<T: Pod>(&mut self, buffer: Buffer<T>) -> Result<(), GpuError> {
         Ok(Device::free(self, &buffer)?)
     }

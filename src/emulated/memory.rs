@@ -73,6 +73,13 @@ impl Memory {
         Ok(())
     }
 
+    /// Sets every byte to 0.
+    pub(super) fn clear<T>(&mut self, buffer: &Buffer<T>) -> Result<(), LaunchError> {
+        self.find(buffer)?;
+        self.allocations[buffer.number].iter_mut().for_each(|a| a.lines.fill(Line([0; 256])));
+        Ok(())
+    }
+
     /// The allocation, if it is this memory's and has this size.
     fn find<T>(&self, buffer: &Buffer<T>) -> Result<&Allocation, LaunchError> {
         let bytes = buffer.length * size_of::<T>();

@@ -7,11 +7,12 @@ use super::lens::Lens;
 use super::shade::{Shader, repaint};
 use super::stats::{Clock, Stats};
 use super::{FrameShape, Options, Precision, Show, Trim, TrimCounts};
+use crate::cuda::count::Plan;
 use crate::cuda::evaluate::{memory, view};
 use crate::cuda::frame::Input;
 use crate::cuda::scene::SceneOnDevice;
 use crate::cuda::session::Session;
-use crate::cuda::{self, Gpu, GpuError, frame};
+use crate::cuda::{self, Buffer, Gpu, GpuError, frame};
 use crate::emulated::{self, TensorCores};
 use crate::scene::Camera;
 
@@ -55,6 +56,15 @@ impl Engine {
     }
 }
 
+/// What a frame leaves to the next one of the same options and size.
+#[derive(Debug)]
+pub(super) struct Kept {
+    key: (Options, [u32; 2]),
+    plan: Plan,
+    /// Of a frame that went by this plan.
+    buffers: Vec<Buffer<u8>>,
+}
+
 impl Renderer<'_> {
     /// A frame by a device's kernels; its words are those of the CPU.
     pub(super) fn render_on<G: Gpu>(
@@ -70,26 +80,48 @@ impl Renderer<'_> {
             Some(scene) => scene,
             None => *self.resident.insert(SceneOnDevice::upload(gpu, self.scene)?),
         };
-        let plan = self.plan.take().filter(|plan| plan.0 == (*options, camera.size));
-        let earlier = plan.map(|plan| plan.1);
-        let mut session = Session::with_plan(gpu, earlier.clone());
-        let mut frame = self.frame_in(&mut session, &scene, camera, options);
-        if earlier.is_some() && !matches!(frame, Ok(Some(_))) {
-            // Something did not fit; what, and whether it can be had, is asked for.
-            session.free()?;
-            session = Session::new(gpu);
-            frame = self.frame_in(&mut session, &scene, camera, options);
-        }
-        let plan = session.plan();
-        let plan = earlier.map_or(plan.clone(), |earlier| plan.or(&earlier));
-        session.free()?;
-        let mut frame = frame?.ok_or(RenderError::Gpu(GpuError::Unsettled))?;
-        // Sizes of textures are asked for in any case.
-        self.plan = (options.trim != Trim::Texture).then_some(((*options, camera.size), plan));
+        let (mut frame, kept) = self.planned_frame(gpu, &scene, camera, options)?;
+        self.kept = kept;
         if options.show != Show::Shaded {
             self.explain(&mut frame)?;
         }
         Ok(frame)
+    }
+
+    /// By the plan of the last frame, or by asking for all numbers; with what the next one may go by.
+    fn planned_frame<G: Gpu>(
+        &mut self,
+        gpu: &mut G,
+        scene: &SceneOnDevice,
+        camera: &Camera,
+        options: &Options,
+    ) -> Result<(Frame, Option<Kept>), RenderError> {
+        let key = (*options, camera.size);
+        let (mut earlier, mut buffers) = (None, Vec::new());
+        if let Some(kept) = self.kept.take() {
+            if kept.key == key {
+                (earlier, buffers) = (Some(kept.plan), kept.buffers);
+            } else {
+                kept.buffers.into_iter().try_for_each(|buffer| gpu.free(buffer))?;
+            }
+        }
+        if let Some(plan) = &earlier {
+            let mut session = Session::with_plan(gpu, Some(plan.clone()), buffers);
+            if let Ok(Some(frame)) = self.frame_in(&mut session, scene, camera, options) {
+                return Ok((frame, Some(Kept { key, plan: plan.clone(), buffers: session.keep()? })));
+            }
+            // Something did not fit; what, and whether it can be had, is asked for.
+            session.free()?;
+        }
+        let mut session = Session::new(gpu);
+        let frame = self.frame_in(&mut session, scene, camera, options);
+        let plan = session.plan();
+        session.free()?;
+        let frame = frame?.ok_or(RenderError::Gpu(GpuError::Unsettled))?;
+        let plan = earlier.map_or(plan.clone(), |earlier| plan.or(&earlier));
+        // Sizes of textures are asked for in any case.
+        let kept = (options.trim != Trim::Texture).then_some(Kept { key, plan, buffers: Vec::new() });
+        Ok((frame, kept))
     }
 
     /// None: there was no room for something.
@@ -177,6 +209,8 @@ mod tests {
             match event {
                 Event::Open(name) => open.push(*name),
                 Event::Launch(kernel) => paths.push((open.clone(), kernel.as_str())),
+                Event::Record | Event::Run => {}
+                Event::Broken(what) => panic!("{what} in a recording: {events:?}"),
                 Event::Close => assert!(open.pop().is_some(), "more ends than beginnings: {events:?}"),
             }
         }
@@ -214,6 +248,31 @@ mod tests {
             has(&["frame", "evaluate", "meshlets", "scan"], "scan_tiles");
             has(&["frame", "trim"], "trim_meshlets");
             has(&["frame", "shade", "pixels"], "shade_pixels");
+        }
+    }
+
+    /// The first frame asks, the second one makes room by that, the third one has its buffers and is recorded as a whole; so is
+    /// each that follows, until one needs more room.
+    #[test]
+    fn frames_with_all_buffers_are_run_as_a_whole() {
+        let scene = scene();
+        if emulated::missing().is_some() {
+            return;
+        }
+        let (mut renderer, mut gpu) = (Renderer::new(&scene), Recorded::default());
+        let mut draw = |zoom: f64, frame: FrameShape| {
+            gpu.events.clear();
+            let view = ViewSpec { size: [16, 12], zoom, ..ViewSpec::default() };
+            let options = Options { frame, ..Options::default() };
+            let camera = view.camera(&scene.bounds).expect("a camera");
+            renderer.render_on(&mut gpu, &camera, &options).expect("a frame");
+            paths(&gpu.events);
+            let count = |event: Event| gpu.events.iter().filter(|e| **e == event).count();
+            (count(Event::Record), count(Event::Run))
+        };
+        for frame in [FrameShape::Fused, FrameShape::Staged] {
+            let found = [1.0, 1.0, 1.01, 1.02].map(|zoom| draw(zoom, frame));
+            assert_eq!(found, [(0, 0), (0, 0), (1, 1), (1, 1)], "{frame:?}");
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::basis::BasisTables;
 use super::cull::{Culler, Leaf, Leaves};
-use super::device::Engine;
+use super::device::{Engine, Kept};
 use super::estimate::{Tessellation, estimate};
 use super::evaluate::{Meshlets, Vertex, View, evaluate};
 use super::fill::{Filled, fill};
@@ -18,7 +18,6 @@ use super::trim::trim;
 use super::trim_cut::gaps;
 use super::trim_texture::textures;
 use super::{Bound, FrameShape, Options, Precision, Trim};
-use crate::cuda::count::Plan;
 use crate::cuda::selection::{Clocks, Selection};
 use crate::cuda::{self, GpuError, abi, evaluate::Staged, scene::SceneOnDevice};
 use crate::scene::{Camera, PatchTrim, Scene};
@@ -120,8 +119,7 @@ pub struct Renderer<'a> {
     /// What the engine's device has of the scene.
     pub(super) resident: Option<SceneOnDevice>,
     clocks: &'static Clocks,
-    /// What the last frame of the same options and size had to ask the device for.
-    pub(super) plan: Option<((Options, [u32; 2]), Plan)>,
+    pub(super) kept: Option<Kept>,
     tables: BasisTables,
     spare_targets: Option<Targets>,
 }
@@ -141,7 +139,7 @@ impl<'a> Renderer<'a> {
 
     pub fn with(scene: &'a Scene, engine: Engine) -> Self {
         let clocks = Clocks::of(engine.compute_capability());
-        Self { scene, engine, resident: None, clocks, plan: None, tables: BasisTables::new(), spare_targets: None }
+        Self { scene, engine, resident: None, clocks, kept: None, tables: BasisTables::new(), spare_targets: None }
     }
 
     /// By what kernels' patches get their arithmetic.

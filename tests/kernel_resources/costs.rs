@@ -9,7 +9,8 @@ use std::fmt::Write;
 
 const TABLE: &str = "bench/results/evaluate-costs.md";
 const SOURCE: &str = "src/cuda/clocks.rs";
-const PIPES: [&str; 6] = ["issue", "FMA", "integer", "tensor", "memory", "special"];
+const ALL: &str = "bench/results/kernel-costs.md";
+const PIPES: [&str; 7] = ["issue", "FMA", "integer", "tensor", "memory", "special", "f64"];
 
 /// Clocks that instructions of a warp keep the pipes of a multiprocessor busy; sources and confidence: research
 /// "kernel-study", "Rates". sm_80: A100 whitepaper, 64 FP32 lanes, 1024 f16 FMA a clock; sm_89 as sm_86.
@@ -20,14 +21,16 @@ struct Rates {
     shared: f64,
     /// HMMA.1688 of f16 summed in f32; tf32 takes twice that.
     product: f64,
+    /// 32 lanes of f64 on sm_80, 64 on sm_90, two elsewhere.
+    double: f64,
 }
 
 fn rates(target: u32) -> Rates {
     match target {
-        80 => Rates { fma: 0.5, integer: 0.5, shared: 0.0, product: 1.0 },
-        86 | 89 => Rates { fma: 0.25, integer: 0.5, shared: 0.25, product: 4.0 },
-        90 => Rates { fma: 0.25, integer: 0.5, shared: 0.0, product: 0.8 },
-        120 => Rates { fma: 0.25, integer: 0.25, shared: 0.25, product: 4.0 },
+        80 => Rates { fma: 0.5, integer: 0.5, shared: 0.0, product: 1.0, double: 1.0 },
+        86 | 89 => Rates { fma: 0.25, integer: 0.5, shared: 0.25, product: 4.0, double: 16.0 },
+        90 => Rates { fma: 0.25, integer: 0.5, shared: 0.0, product: 0.8, double: 0.5 },
+        120 => Rates { fma: 0.25, integer: 0.25, shared: 0.25, product: 4.0, double: 16.0 },
         other => panic!("enter the rates of sm_{other} here"),
     }
 }
@@ -36,23 +39,31 @@ fn rates(target: u32) -> Rates {
 struct Cost {
     instructions: usize,
     /// By `PIPES`.
-    clocks: [f64; 6],
+    clocks: [f64; 7],
+    /// Of global memory, all lanes together.
+    bytes: usize,
 }
 
 impl Cost {
     fn of(way: &[&Instruction], rates: &Rates) -> Self {
-        let mut clocks = [0.0; 6];
-        let mut arithmetic = 0.0;
+        let mut clocks = [0.0; 7];
+        let (mut arithmetic, mut bytes) = (0.0, 0);
         for i in way {
             clocks[0] += 0.25;
             let name = i.operation.split('.').next().unwrap_or_default();
+            if matches!(name, "LDG" | "STG" | "ATOMG" | "RED") {
+                bytes += 128 * wavefronts(&i.operation) as usize;
+            }
             match name {
+                "DADD" | "DMUL" | "DFMA" | "DSETP" => clocks[6] += rates.double,
                 "FFMA" | "FADD" | "FMUL" | "HFMA2" | "HADD2" | "HMUL2" | "IMAD" => {
                     clocks[1] += rates.fma;
                     arithmetic += 1.0;
                 }
                 "HMMA" => clocks[3] += rates.product * if i.operation.contains("TF32") { 2.0 } else { 1.0 },
-                "LDG" | "LDS" | "STG" | "STS" | "REDUX" | "SHFL" => clocks[4] += wavefronts(&i.operation),
+                "LDG" | "LDS" | "STG" | "STS" | "LDL" | "STL" | "ATOMG" | "ATOMS" | "RED" | "REDUX" | "SHFL" => {
+                    clocks[4] += wavefronts(&i.operation)
+                }
                 "MUFU" | "F2I" | "I2F" => clocks[5] += 2.0,
                 "BRA" | "BSSY" | "BSYNC" | "EXIT" | "NOP" | "WARPSYNC" | "LDC" | "LDCU" | "S2R" | "S2UR" => {}
                 // Uniform instructions have a pipe of their own.
@@ -64,7 +75,7 @@ impl Cost {
             }
         }
         clocks[1] = clocks[1].max(rates.shared * arithmetic);
-        Self { instructions: way.len(), clocks }
+        Self { instructions: way.len(), clocks, bytes }
     }
 
     /// The busiest pipe.
@@ -126,6 +137,43 @@ fn the_table_of_costs_is_fresh() {
     }
     agrees(TABLE, &table(version, &costs));
     agrees(SOURCE, &source(&costs));
+}
+
+/// Every kernel: the longest way through it or, where it loops or calls, all of its code once.
+#[test]
+fn the_table_of_all_kernels_is_fresh() {
+    let Some(dump) = Dump::new("all-costs") else { return };
+    let Some(version) = pinned_version() else { return };
+    let mut cells: BTreeMap<String, BTreeMap<u32, String>> = BTreeMap::new();
+    for ((kernel, target), code) in dump.instructions() {
+        let calls = |way: &Vec<&Instruction>| way.iter().any(|i| i.operation.starts_with("CALL"));
+        let straight = longest_way(&code, false).filter(|way| !calls(way));
+        let mark = if straight.is_some() { "" } else { "~" };
+        // Padding behind the end is no instruction.
+        let all = || code.iter().filter(|i| i.operation != "NOP").collect();
+        let cost = Cost::of(&straight.unwrap_or_else(all), &rates(target));
+        let (clocks, pipe) = cost.bound();
+        let cell = format!("{mark}{}, {clocks:.1} {pipe}, {}", cost.instructions, cost.bytes);
+        cells.entry(kernel).or_default().insert(target, cell);
+    }
+    let mut text = format!(
+        "# What every kernel's machine code costs, computed and not measured\n\nMade by `HALFPIXEL_UPDATE=1 cargo test --test \
+         kernel_resources` from the machine code of nvcc {version}. Cells: instructions of a warp, what its busiest pipe takes \
+         for them in clocks of a multiprocessor (rates: tests/kernel_resources/costs.rs), and bytes of global memory that the \
+         warp loads and stores. `~`: the kernel has loops or calls, and every instruction of it is counted once; what that \
+         comes to depends on the data. Without it: the longest way through. f64 is a 64th of f32 on sm_86, sm_89 and sm_120.\n\n\
+         | kernel |"
+    );
+    let targets = cuda::targets();
+    targets.iter().for_each(|t| write!(text, " sm_{t} |").expect("a string"));
+    text.push_str("\n|---|");
+    text.push_str(&"---|".repeat(targets.len()));
+    for (kernel, by_target) in cells {
+        write!(text, "\n| {kernel} |").expect("a string");
+        by_target.values().for_each(|cell| write!(text, " {cell} |").expect("a string"));
+    }
+    text.push('\n');
+    agrees(ALL, &text);
 }
 
 fn table(version: &str, costs: &BTreeMap<String, BTreeMap<u32, Cost>>) -> String {
