@@ -21,7 +21,7 @@ export ASAN_OPTIONS="exitcode=67:detect_leaks=0" UBSAN_OPTIONS="halt_on_error=1:
 failed=0
 
 # -fno-threadsafe-statics and so on: as build.rs. The driver is plain C++.
-flags=(-std=c++20 -O1 -g -I "$root/kernels" -ffp-contract=off -fno-strict-aliasing -fno-exceptions -fno-rtti
+flags=(-std=c++20 -O1 -g1 -I "$root/kernels" -ffp-contract=off -fno-strict-aliasing -fno-exceptions -fno-rtti
     -fno-threadsafe-statics -Wno-unknown-pragmas -pthread "-fmacro-prefix-map=$root/=")
 
 # build NAME SANITIZER [KERNEL FLAG...]: the runtime is told of ThreadSanitizer, not instrumented by it.

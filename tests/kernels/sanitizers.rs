@@ -4,7 +4,7 @@
 use halfpixel::emulated::{Device, Schedule};
 use halfpixel::import;
 use halfpixel::scene::{ViewSpec, prepare};
-use halfpixel::stages::{Bound, Engine, Fill, FrameShape, Options, Renderer};
+use halfpixel::stages::{Bound, Engine, Fill, FrameShape, Options, Precision, Renderer, Trim};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -16,10 +16,12 @@ fn sanitizers_find_what_they_must_and_nothing_else() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("sanitize_kernels");
     fs::create_dir_all(&folder).expect("a folder");
     let mut recordings = Vec::new();
-    // Together all kernels of frames: those for patches that are split, and for other bounds and ways to fill, too.
+    // Together all kernels of frames: those for patches that are split, for tensor cores, for textures, for other bounds and
+    // ways to fill, too.
     let (near, other) = (40.0, Options { bound: Bound::Eter, fill: Fill::Eter, ..Options::default() });
+    let texture = Options { trim: Trim::Texture, precision: Precision::Auto, ..Options::default() };
     for (name, zoom, options) in
-        [("trimmed:drilled", 1.0, Options::default()), ("teapot", 1.0, Options::default()), ("teapot", near, other)]
+        [("trimmed:drilled", 1.0, Options::default()), ("trimmed:ball", 1.0, texture), ("teapot", near, other)]
     {
         for frame in [FrameShape::Staged, FrameShape::Fused] {
             recordings.push(record(&folder, name, zoom, &Options { frame, ..options }));
@@ -37,7 +39,7 @@ fn sanitizers_find_what_they_must_and_nothing_else() {
     }
 }
 
-/// Draws a small frame and writes down every launch.
+/// Draws a small frame and writes down every launch; where it is fused, that of the next frame too, which asks for nothing.
 fn record(folder: &Path, name: &str, zoom: f64, options: &Options) -> PathBuf {
     let model = import::load(&format!("builtin:{name}")).expect("a model");
     let scene = prepare(&model, &|_, _| {}).expect("a scene");
@@ -46,7 +48,9 @@ fn record(folder: &Path, name: &str, zoom: f64, options: &Options) -> PathBuf {
     let mut device = Device::new(Schedule::default(), 1);
     let recording = device.record();
     let mut renderer = Renderer::with(&scene, Engine::Emulated(Box::new(device)));
-    renderer.render(&camera, options).expect("a frame");
+    for _ in 0..if options.frame == FrameShape::Fused { 2 } else { 1 } {
+        renderer.render(&camera, options).expect("a frame");
+    }
     let Options { frame, bound, .. } = options;
     let path = folder.join(format!("{}-{zoom}-{frame:?}-{bound:?}.launches", name.replace(':', "-")));
     fs::write(&path, recording.bytes()).expect("room for a recording");
