@@ -22,7 +22,7 @@ struct Subject {
 };
 
 // A thread a visible patch: its grid, or its number in `work`, if it is not to be drawn as a whole.
-static __device__ __forceinline__ void patches(const View &view, const Rules &rules, const scene::Scene &scene,
+static __device__ __forceinline__ void patches(const View &view, const Rules &rules, uint32_t bound, const scene::Scene &scene,
                                                uint32_t instances, const Count &count, Buffer<Visible> visible,
                                                Buffer<uint32_t> leaf_counts, Buffer<uint32_t> point_counts,
                                                Buffer<uint32_t> work, Buffer<Counters> counters) {
@@ -40,7 +40,7 @@ static __device__ __forceinline__ void patches(const View &view, const Rules &ru
         cull::judge(team, view, rules, s.net, s.map, 0, place);
         estimate::Grid grid = {};
         const estimate::Outcome outcome =
-            estimate::grid_of(team, view, rules, s.map, s.net, bounds::enclosure_of(s.source), place, 0,
+            estimate::grid_of(team, view, rules, bound, s.map, s.net, bounds::enclosure_of(s.source), place, 0,
                               numbers + threadIdx.x, estimate::THREADS, grid);
         const uint32_t points = uint32_t(s.net.count());
         whole = outcome == estimate::GRID
@@ -79,9 +79,7 @@ KERNEL(estimate_begin)
              const __grid_constant__ scene::Scene scene, uint32_t instances, Count count, Buffer<Visible> visible,     \
              Buffer<uint32_t> leaf_counts, Buffer<uint32_t> point_counts, Buffer<uint32_t> work,                       \
              Buffer<Counters> counters) {                                                                              \
-        Rules with_bound = rules;                                                                                      \
-        with_bound.bound = BOUND;                                         \
-        estimate::patches(view, with_bound, scene, instances, count, visible, leaf_counts, point_counts, work,         \
+        estimate::patches(view, rules, BOUND, scene, instances, count, visible, leaf_counts, point_counts, work,         \
                           counters);                                                                                   \
     }                                                                                                                  \
     KERNEL(name)

@@ -169,11 +169,11 @@ static __device__ __forceinline__ Outcome too_large(const bounds::Constraints &c
     return v > u ? SPLIT_V : SPLIT_U;
 }
 
-// The leaf's grid, or the axis to split where it would be too large. `numbers`: room for a list of constraints, `stride`
+// The leaf's grid by a bound, or the axis to split where it would be too large. `numbers`: room for a list of constraints, `stride`
 // apart.
 template <int LANES>
 static __device__ __forceinline__ Outcome grid_of(const Team<LANES> &team, const View &view, const Rules &rules,
-                                                  const lens::PatchMap &map, const lens::Net &net,
+                                                  uint32_t bound, const lens::PatchMap &map, const lens::Net &net,
                                                   const bounds::Enclosure &enclosure, const cull::Place &place,
                                                   uint32_t depth, Span<double> numbers, int stride, Grid &grid) {
     const double tolerance = view.tolerance - SNAPPING - place.evaluation[0];
@@ -186,7 +186,7 @@ static __device__ __forceinline__ Outcome grid_of(const Team<LANES> &team, const
     // What was read of an earlier list has been read.
     team.sync();
     bounds::Constraints constraints = {numbers, stride, team.lane == 0};
-    constrain(team, rules.bound, subject, enclosure, constraints);
+    constrain(team, bound, subject, enclosure, constraints);
     if (!solve(constraints, grid)) {
         return too_large(constraints, depth);
     }
@@ -200,7 +200,7 @@ static __device__ __forceinline__ Outcome grid_of(const Team<LANES> &team, const
         return too_large(constraints, depth);
     }
     double pixels, off;
-    if (deviation(team, rules.bound, subject, enclosure, constraints, grid, pixels, off)) {
+    if (deviation(team, bound, subject, enclosure, constraints, grid, pixels, off)) {
         grid.deviation[0] = next_up(SNAPPING + place.evaluation[0] + (pixels < tolerance ? pixels : tolerance));
         grid.deviation[1] = next_up(place.evaluation[1] + (off < depth_tolerance ? off : depth_tolerance));
     }

@@ -35,8 +35,8 @@ struct Sizes {
     uint32_t parts, part_points, memory, halves, tried;
 };
 
-// Writes the leaf that `piece` is at, where there is room.
-static __device__ void emit(Piece &piece, const Buffers &out, const Sizes &sizes, uint32_t visible, uint32_t instance,
+// Writes the leaf that `piece` is at, where there is room; false where all warps have more than a frame holds.
+static __device__ bool emit(Piece &piece, const Buffers &out, const Sizes &sizes, uint32_t visible, uint32_t instance,
                             uint32_t number) {
     const Warp &warp = piece.warp;
     uint32_t part = 0;
@@ -47,7 +47,7 @@ static __device__ void emit(Piece &piece, const Buffers &out, const Sizes &sizes
     }
     part = warp.first(part), net = warp.first(net);
     if (part >= sizes.parts || net + piece.net.count() > sizes.part_points) {
-        return;
+        return part <= MAX_PARTS;
     }
     const leaf::Drawn drawn = {piece.view,       piece.rules,
                                piece.scene,      piece.instance,
@@ -62,6 +62,7 @@ static __device__ void emit(Piece &piece, const Buffers &out, const Sizes &sizes
         out.leaves[part] = leaf::leaf_of(drawn, out.nets + net);
         out.places[part] = {visible, number, uint32_t(net), 0};
     }
+    return true;
 }
 
 // Finds all leaves of a patch, in the order of parameters; an error, or 0.
@@ -91,7 +92,10 @@ static __device__ uint32_t leaves_of(Piece &piece, Lists &lists, const Buffers &
                 piece.go_to(parts ? lists.list[k] : whole);
                 piece.load();
                 cull::judge(piece.warp, piece.view, piece.rules, piece.net, piece.map, piece.path.depth, piece.place);
-                emit(piece, out, sizes, visible, instance, number++);
+                // The host says why. What warps count until all have stopped fits 32 bits.
+                if (!emit(piece, out, sizes, visible, instance, number++)) {
+                    return 0;
+                }
             }
             piece.path = here;
         }

@@ -100,6 +100,8 @@ struct Block {
   unsigned order_count;
   char order[4096];  // addresses for Group::order
   char begin;        // what the race detector ties the start of a block to; blocks are not ordered
+  char over[2];      // and the ends of the last block and this one, which used the same stacks and shared memory
+  unsigned turn;     // which of the two is this one's
   Block *next;       // in the pool
 };
 

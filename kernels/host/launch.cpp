@@ -127,29 +127,38 @@ Run *hp_begin(const Kernel *kernel, const hp_launch *launch, const void *const *
   return run;
 }
 
+// What this thread runs one block in, and the next one in another: what runs in the same one is ordered for the race detector.
+constexpr unsigned PLACES = RACE_DETECTION ? 3 : 1;
+
+static bool prepare(Block **place, Run *run) {
+  if (*place) return true;
+  *place = take_block();
+  const char *why = *place ? prepare_block(*place, run) : "no memory for a block";
+  if (!why) return true;
+  hp_fault fault;
+  refuse(&fault, why);
+  keep_fault(run, fault, 0);
+  return false;
+}
+
 void hp_work(Run *run) {
   race_acquire(&run->begin);
-  Block *b = take_block();
-  const char *why = b ? prepare_block(b, run) : "no memory for a block";
-  if (why) {
-    hp_fault fault;
-    refuse(&fault, why);
-    keep_fault(run, fault, 0);
-    if (b) give_back(b);
-    return;
-  }
+  Block *places[PLACES] = {};
   const uint32_t *g = run->launch.grid, *s = run->launch.block;
   grid = {};
   grid.block_size = {s[0], s[1], s[2]};
   grid.size = {g[0], g[1], g[2]};
   grid.ranges = run->ranges;
   grid.range_count = run->range_count;
-  while (!__atomic_load_n(&run->stopped, __ATOMIC_RELAXED)) {
+  for (unsigned done = 0; !__atomic_load_n(&run->stopped, __ATOMIC_RELAXED); done++) {
+    Block **place = &places[done % PLACES];
+    if (!prepare(place, run)) break;
     uint64_t position = __atomic_fetch_add(&run->next_block, 1, __ATOMIC_RELAXED);
     if (position >= run->blocks) break;
-    run_one(b, position);
+    run_one(*place, position);
   }
-  give_back(b);
+  for (Block *b : places)
+    if (b) give_back(b);
 }
 
 void hp_end(Run *run, hp_fault *fault) {

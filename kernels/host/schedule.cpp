@@ -94,14 +94,16 @@ static void run_threads() {
     Fiber *f = self();
     Block *b = f->block;
     race_acquire(&b->begin);
+    race_acquire(&b->over[b->turn ^ 1]);
     b->run->kernel->call(b->run->arguments);
+    race_release(&b->over[b->turn]);
     race_release(&b->run->end);
     thread_returned(f);
     Stack *mine = f->stack;
     f->stack = nullptr;
     Fiber *next = pick(b);
     if (RACE_DETECTION) {
-      go(b, mine, next);  // used stacks would look like races
+      go(b, mine, next);  // its next thread may race with this one
     } else if (next && !next->stack) {
       next->stack = mine;
       current = next;
@@ -119,12 +121,13 @@ static void drop_stacks(Block *b) {
   b->stack_memory = nullptr;
   b->stack_count = 0;
 }
-static void reset_stacks(Block *b) {
+static void put_stacks_back(Block *b) {
   b->free_count = b->stack_count;
-  for (unsigned i = 0; i < b->stack_count; i++) {
-    reset_stack(&b->stacks[i], run_threads);
-    b->free_stacks[b->stack_count - 1 - i] = &b->stacks[i];
-  }
+  for (unsigned i = 0; i < b->stack_count; i++) b->free_stacks[b->stack_count - 1 - i] = &b->stacks[i];
+}
+static void reset_stacks(Block *b) {
+  for (unsigned i = 0; i < b->stack_count; i++) reset_stack(&b->stacks[i], run_threads);
+  put_stacks_back(b);
 }
 static bool have_stacks(Block *b, unsigned count) {
   if (count <= b->stack_count) return true;
@@ -181,6 +184,7 @@ void run_block(Block *b) {
     wake(&w, w.exists);
   }
   start_shared(b);
+  b->turn ^= 1;
   race_release(&b->begin);
   go(b, &b->own, pick(b));
   if (!b->failed && b->left) report_deadlock(b);
@@ -188,12 +192,11 @@ void run_block(Block *b) {
     b->ready_warps = 0;
     for (unsigned i = 0; i < b->threads; i++) b->fiber[i].stack = nullptr;
     for (unsigned i = 0; i < b->warps; i++) b->warp[i].ready = 0;
-    reset_stacks(b);
-  }
-  if (RACE_DETECTION) {  // the next block must find memory that nobody has touched
-    drop_stacks(b);
+    if (RACE_DETECTION) drop_stacks(b);  // who ran there never says that it is over
     have_stacks(b, b->threads);
-    map_shared(b);
+    reset_stacks(b);
+  } else if (RACE_DETECTION) {
+    put_stacks_back(b);
   }
 }
 

@@ -21,8 +21,7 @@ static void fill(void *memory, int byte, size_t bytes) {
 }
 
 bool map_shared(Block *b) {
-  if (b->shared && !RACE_DETECTION) return true;
-  if (b->shared) munmap(b->shared, BYTES);
+  if (b->shared) return true;
   void *memory = mmap(nullptr, BYTES, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   b->shared = memory == MAP_FAILED ? nullptr : static_cast<char *>(memory);
   return b->shared != nullptr;

@@ -83,6 +83,7 @@ pub mod trims;
 
 pub use count::Count;
 pub use device::{Device, Driver, devices, driver};
+pub(crate) use gpu::bytes_of;
 pub use gpu::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape};
 pub use module::{Kernels, Toolkit, fatbin, targets, toolkit};
 pub use stream::Stream;

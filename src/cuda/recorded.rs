@@ -1,4 +1,4 @@
-//! A device for tests: the emulated one, which records what it is asked for and can be told to fail, or to find other counts
+//! A device for tests: the emulated one, which records what it is asked for and can be told to fail, or to find other numbers
 //! than there are.
 
 use super::{Argument, Buffer, Gpu, GpuError, Pod, Shape};
@@ -22,9 +22,20 @@ pub(crate) struct Recorded {
     pub events: Vec<Event>,
     /// Launches that go well; all others fail.
     pub launches: Option<usize>,
-    /// After a launch of this kernel the first number that is downloaded is this one.
-    pub finds: Option<(&'static str, u64)>,
+    /// What the first launch of a kernel leaves, in place of what it found.
+    pub finds: Option<Find>,
+    pub buffers: Vec<Buffer<u8>>,
     pub recording: bool,
+}
+
+/// A number in a kernel's memory.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Find {
+    pub kernel: &'static str,
+    /// The argument that has its address, counted from the last one, and which byte of it.
+    pub argument: usize,
+    pub byte: usize,
+    pub number: u64,
 }
 
 impl Recorded {
@@ -33,6 +44,23 @@ impl Recorded {
             Event::Launch(kernel) => Some(kernel.as_str()),
             _ => None,
         })
+    }
+
+    fn own<T: Pod>(&mut self, buffer: Buffer<T>) -> Buffer<T> {
+        self.buffers.push(buffer.bytes());
+        buffer
+    }
+
+    /// Puts a number where an argument points.
+    fn put(&mut self, find: &Find, arguments: &[&dyn Argument]) -> Result<(), GpuError> {
+        let argument = arguments[arguments.len() - 1 - find.argument].bytes();
+        let address = argument[find.byte..find.byte + 8].try_into().map(u64::from_le_bytes).expect("eight bytes");
+        let begins = |b: &&Buffer<u8>| (b.pointer.bits..b.pointer.bits + b.length as u64).contains(&address);
+        let buffer = *self.buffers.iter().find(begins).expect("memory of this device");
+        let mut bytes = self.device.download(&buffer)?;
+        let place = (address - buffer.pointer.bits) as usize;
+        bytes[place..place + 8].copy_from_slice(&find.number.to_le_bytes());
+        Ok(self.device.write(&buffer, &bytes)?)
     }
 }
 
@@ -49,30 +77,21 @@ impl Gpu for Recorded {
 
     fn allocate<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
         self.waits("allocate");
-        Gpu::allocate(&mut self.device, length)
+        Gpu::allocate(&mut self.device, length).map(|b| self.own(b))
     }
 
     fn zeroed<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
         self.waits("zeroed");
-        Gpu::zeroed(&mut self.device, length)
+        Gpu::zeroed(&mut self.device, length).map(|b| self.own(b))
     }
 
     fn upload<T: Pod>(&mut self, data: &[T]) -> Result<Buffer<T>, GpuError> {
         self.waits("upload");
-        Gpu::upload(&mut self.device, data)
+        Gpu::upload(&mut self.device, data).map(|b| self.own(b))
     }
 
     fn download<T: Pod>(&mut self, buffer: &Buffer<T>) -> Result<Vec<T>, GpuError> {
         self.waits("download");
-        if let Some((kernel, number)) = self.finds
-            && self.kernels().any(|launched| launched == kernel)
-        {
-            self.finds = None;
-            let mut bytes = Gpu::download(&mut self.device, &buffer.bytes())?;
-            let length = bytes.len().min(8);
-            bytes[..length].copy_from_slice(&number.to_le_bytes()[..length]);
-            self.device.write(&buffer.bytes(), &bytes)?;
-        }
         Gpu::download(&mut self.device, buffer)
     }
 
@@ -89,7 +108,11 @@ impl Gpu for Recorded {
             return Err(LaunchError::NotBuilt("a test wants it so").into());
         }
         self.events.push(Event::Launch(kernel.to_owned()));
-        Gpu::launch(&mut self.device, kernel, shape, arguments)
+        Gpu::launch(&mut self.device, kernel, shape, arguments)?;
+        match self.finds.take_if(|find| find.kernel == kernel) {
+            Some(find) => self.put(&find, arguments),
+            None => Ok(()),
+        }
     }
 
     fn record(&mut self) -> Result<(), GpuError> {

@@ -47,10 +47,13 @@ impl SceneOnDevice {
         let faces = scene.faces.iter().enumerate().map(|(k, f)| abi::FaceColor { face: k as u32, color: f.color });
         let own = scene.instances.iter().flat_map(|i| &i.face_colors);
         let colors: Vec<_> = own.map(|&(face, color)| abi::FaceColor { face, color }).collect();
-        let (mut items, mut first_color, mut instances) = (0, 0, Vec::with_capacity(scene.instances.len()));
+        let items = places("patches of all instances", scene.instances.iter().map(|i| i.patches.len()).sum())?;
+        places("control points", points.len())?;
+        places("colours of faces of all instances", colors.len())?;
+        let (mut first_item, mut first_color, mut instances) = (0, 0, Vec::with_capacity(scene.instances.len()));
         for place in &scene.instances {
-            instances.push(abi::SceneInstance { first_item: items, first_color, ..instance(place) });
-            items += place.patches.len() as u32;
+            instances.push(abi::SceneInstance { first_item, first_color, ..instance(place) });
+            first_item += place.patches.len() as u32;
             first_color += place.face_colors.len() as u32;
         }
         Ok(Self {
@@ -96,6 +99,12 @@ impl SceneOnDevice {
         gpu.free(self.colors)?;
         self.trims.free(gpu)
     }
+}
+
+/// Places in a list have 32 bits.
+fn places(what: &'static str, count: usize) -> Result<u32, GpuError> {
+    let limit = u32::MAX.into();
+    u32::try_from(count).map_err(|_| GpuError::TooMany { what, needed: count as u64, limit })
 }
 
 /// Where the colours and the items of an instance begin is not known here.

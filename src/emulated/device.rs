@@ -1,7 +1,7 @@
 use super::memory::Memory;
 use super::schedule::Schedule;
-use super::{LaunchError, ffi};
-use crate::cuda::{Argument, Buffer, Gpu, GpuError, Pod, Shape};
+use super::{LaunchError, Recording, ffi};
+use crate::cuda::{Argument, Buffer, Gpu, GpuError, Pod, Shape, bytes_of};
 use std::fmt;
 use std::thread;
 use std::time::Instant;
@@ -12,6 +12,7 @@ pub struct Device {
     /// How many threads of the CPU share the blocks of a launch.
     pub threads: usize,
     memory: Memory,
+    recording: Option<Recording>,
 }
 
 impl fmt::Debug for Device {
@@ -23,7 +24,7 @@ impl fmt::Debug for Device {
 impl Default for Device {
     fn default() -> Self {
         let threads = thread::available_parallelism().map_or(1, Into::into);
-        Self { schedule: Schedule::default(), threads, memory: Memory::default() }
+        Self { schedule: Schedule::default(), threads, memory: Memory::default(), recording: None }
     }
 }
 
@@ -33,24 +34,47 @@ impl Device {
         Self { schedule, threads, ..Self::default() }
     }
 
+    /// From here on everything is recorded that it is asked for.
+    pub fn record(&mut self) -> Recording {
+        let recording = Recording::default();
+        for (number, bits, contents) in self.memory.contents() {
+            recording.allocated(bits, contents.len(), 0);
+            recording.written(number, contents);
+        }
+        self.recording = Some(recording.clone());
+        recording
+    }
+
+    fn make<T: Pod>(&mut self, length: usize, fill: u8) -> Buffer<T> {
+        let buffer = self.memory.allocate(length, fill);
+        if let Some(recording) = &self.recording {
+            recording.allocated(buffer.pointer().bits, length * size_of::<T>(), fill);
+        }
+        buffer
+    }
+
     /// Room for `length` elements. It holds no data yet: every byte is 0xff, a NaN or -1.
     pub fn allocate<T: Pod>(&mut self, length: usize) -> Buffer<T> {
-        self.memory.allocate(length, 0xff)
+        self.make(length, 0xff)
     }
 
     pub fn zeroed<T: Pod>(&mut self, length: usize) -> Buffer<T> {
-        self.memory.allocate(length, 0)
+        self.make(length, 0)
     }
 
     pub fn upload<T: Pod>(&mut self, data: &[T]) -> Buffer<T> {
         let buffer = self.allocate(data.len());
-        self.memory.write(&buffer, data).expect("a buffer of just this size");
+        self.write(&buffer, data).expect("a buffer of just this size");
         buffer
     }
 
     /// Replaces all elements of a buffer.
     pub fn write<T: Pod>(&mut self, buffer: &Buffer<T>, data: &[T]) -> Result<(), LaunchError> {
-        self.memory.write(buffer, data)
+        self.memory.write(buffer, data)?;
+        if let Some(recording) = &self.recording {
+            recording.written(buffer.number, bytes_of(data));
+        }
+        Ok(())
     }
 
     pub fn download<T: Pod>(&self, buffer: &Buffer<T>) -> Result<Vec<T>, LaunchError> {
@@ -59,7 +83,11 @@ impl Device {
 
     /// Kernels that still use it are stopped with a diagnosis.
     pub fn free<T>(&mut self, buffer: &Buffer<T>) -> Result<(), LaunchError> {
-        self.memory.free(buffer)
+        self.memory.free(buffer)?;
+        if let Some(recording) = &self.recording {
+            recording.freed(buffer.number);
+        }
+        Ok(())
     }
 
     /// Runs a kernel to its end. Arguments must be the kernel's parameters, in order; a buffer is passed as its
@@ -69,7 +97,12 @@ impl Device {
     /// (`scripts/sanitize_kernels.sh`).
     pub fn launch(&mut self, kernel: &str, shape: Shape, arguments: &[&dyn Argument]) -> Result<(), LaunchError> {
         let bytes: Vec<&[u8]> = arguments.iter().map(|a| a.bytes()).collect();
-        ffi::launch(kernel, &shape, &self.schedule, self.threads, &bytes, &mut self.memory)
+        ffi::launch(kernel, &shape, &self.schedule, self.threads, &bytes, &mut self.memory)?;
+        if let Some(recording) = &self.recording {
+            let after = self.memory.contents().map(|(number, _, contents)| (number, contents));
+            recording.launched(kernel, &shape, &self.schedule, &bytes, after);
+        }
+        Ok(())
     }
 }
 

@@ -90,6 +90,17 @@ impl Memory {
         found.filter(same).ok_or(LaunchError::NoSuchBuffer { bytes })
     }
 
+    /// Every allocation there is: its number, the address that kernels get, its bytes.
+    pub(super) fn contents(&self) -> impl Iterator<Item = (usize, u64, &[u8])> {
+        let all = self.allocations.iter().enumerate().filter_map(|(number, a)| Some((number, a.as_ref()?)));
+        all.map(|(number, a)| {
+            let first = a.lines.as_ptr();
+            // SAFETY: the lines hold that many bytes, all of them initialised, and are borrowed with the memory.
+            let bytes = unsafe { std::slice::from_raw_parts(first.cast::<u8>(), a.bytes) };
+            (number, (number as u64) << ADDRESS_BITS | first.addr() as u64, bytes)
+        })
+    }
+
     /// Where everything lies, for a launch; freed allocations have no bytes.
     #[cfg(host_kernels)]
     pub(super) fn ranges(&mut self) -> Vec<Range> {

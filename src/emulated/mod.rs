@@ -23,6 +23,7 @@ mod error;
 #[cfg(host_kernels)]
 mod ffi;
 mod memory;
+mod recording;
 mod schedule;
 
 #[cfg(not(host_kernels))]
@@ -31,6 +32,7 @@ use absent as ffi;
 pub use crate::cuda::{Argument, Buffer, Pod, Pointer, Shape};
 pub use device::Device;
 pub use error::{Fault, FaultKind, LaunchError};
+pub use recording::Recording;
 pub use schedule::{BlockOrder, LaneOrder, Schedule, TensorCores, WarpOrder};
 
 /// Why this build can't run kernels on the CPU, if it can't.

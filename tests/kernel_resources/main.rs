@@ -16,12 +16,13 @@ const TABLE: &str = "bench/results/kernel-resources.md";
 
 /// Kernels that keep something in local memory: Bernstein values of any degree beyond 3, what calls save, and registers
 /// where sub-pixels take 64 bits. And what few patches go through: comparison bounds, halvings, questions to trim trees.
-const MAY_STACK: [&str; 22] = [
+const MAY_STACK: [&str; 24] = [
     "cull_patches",
     "estimate_patches",
     "fill_list",
     "meshlet_drop",
     "meshlet_region",
+    "rasterize_bands",
     "rasterize_strokes",
     "settle_find",
     "settle_search",
@@ -36,6 +37,7 @@ const MAY_STACK: [&str; 22] = [
     "stroke_wide",
     "texture_meshlets",
     "texture_rows",
+    "trim_bands",
     "trim_fragments",
     "trim_meshlets",
     "trim_strokes",

@@ -32,6 +32,8 @@ mod fresh;
 #[cfg(host_kernels)]
 mod geometry;
 #[cfg(host_kernels)]
+mod limits;
+#[cfg(host_kernels)]
 mod numbers;
 mod planned;
 #[cfg(host_kernels)]

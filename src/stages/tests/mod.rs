@@ -3,6 +3,7 @@
 mod cull;
 mod deviation;
 mod grid;
+mod limits;
 mod near;
 mod newton;
 mod raster;
