@@ -90,6 +90,7 @@ step facts 20 bash -c facts
 if [ "$backend" = cuda ]; then
     step load 60 "$program" devices --load
     bench backends 90 backends models/* --size 640x360
+    bench matrix 45 matrix models/teapot.bpt models/killeroo.bpt models/NIST_MBE_PMI_2.stp --pairwise --size 320x240
     step verify 30 "$program" verify models/teapot.bpt --backend cuda --size 640x360 --samples 2000 --json
     bench evaluate 60 evaluate
     bench frame 60 frame models/killeroo.bpt --samples 300 --size 1920x1080
@@ -102,6 +103,7 @@ if [ "$backend" = cuda ]; then
     limits=(60 90)
 else
     bench backends 120 backends models/teapot.bpt models/screw.step --size 96x64
+    bench matrix 60 matrix models/teapot.bpt --pairwise --size 96x64
     step verify 60 "$program" verify models/teapot.bpt --backend emulated --size 96x64 --samples 200 --json
     bench evaluate 120 evaluate --patches 4
     bench precision 120 precision --patches 2

@@ -6,6 +6,7 @@ use crate::commands::UsageError;
 use crate::commands::args::FrameArgs;
 use crate::commands::used::Used;
 use crate::report::{Cell, Machine, Table, name};
+use crate::scene::{Camera, Scene};
 use crate::stages::{Bound, Engine, Fill, Frame, FrameShape, Grid, Options, RenderError, Renderer};
 use anyhow::Result;
 
@@ -36,6 +37,9 @@ pub(super) struct Difference {
     color: f64,
 }
 
+/// Frames that are compared.
+const FRAMES: usize = 3;
+
 /// One model in one configuration.
 struct Finding {
     model: String,
@@ -60,9 +64,7 @@ pub fn run(args: &Args) -> Result<()> {
             let camera = args.frame.camera(&scene)?;
             let mut renderer = Renderer::with(&scene, args.frame.backend.engine()?);
             for options in configurations(&args.frame.options()) {
-                let pair = Renderer::new(&scene).render(&camera, &options);
-                let pair = pair.and_then(|expected| Ok((expected, renderer.render(&camera, &options)?)));
-                let outcome = pair.map(|(expected, found)| Difference::of(&expected, &found));
+                let outcome = worst(&scene, &mut renderer, &camera, &options);
                 found.push(Finding { model: loaded.name.clone(), options, outcome });
             }
         }
@@ -76,7 +78,7 @@ pub fn run(args: &Args) -> Result<()> {
         suite: "backends",
         title: "Frames against the CPU's",
         about: format!(
-            "{width}x{height}. Words are visibility words (depth, meshlet, index); depth, parameters are compared where both \
+            "{width}x{height}, the first {FRAMES} frames of a renderer, whichever differs most. Words are visibility words (depth, meshlet, index); depth, parameters are compared where both \
              frames show the same patch. {verdict}"
         ),
         tables: vec![("Differences".into(), table(&found, &[]))],
@@ -85,6 +87,25 @@ pub fn run(args: &Args) -> Result<()> {
         machine,
     };
     sheet.publish(&args.results)
+}
+
+/// A device's first frame asks for the lengths of its lists, the next one has room for them, and the third one is run as a whole:
+/// whichever differs most.
+fn worst(
+    scene: &Scene,
+    renderer: &mut Renderer,
+    camera: &Camera,
+    options: &Options,
+) -> Result<Difference, RenderError> {
+    let expected = Renderer::new(scene).render(camera, options)?;
+    let mut worst = Difference::default();
+    for _ in 0..FRAMES {
+        let found = Difference::of(&expected, &renderer.render(camera, options)?);
+        if worst.pixels == 0 || found.words + found.colors > worst.words + worst.colors {
+            worst = found;
+        }
+    }
+    Ok(worst)
 }
 
 /// What was asked for, the same staged, and what ETER draws.

@@ -93,8 +93,9 @@ fn configurations(args: &Args, on_device: bool, copies: u64) -> Vec<Options> {
     let precision = if on_device { Precision::F16Recovered } else { ours.precision };
     let eter = Options { bound: Bound::Eter, grid: Grid::Eter, precision, ..staged };
     let auto = Options { precision: Precision::Auto, ..ours };
-    let mut all = if on_device { vec![ours, auto, staged, eter] } else { vec![ours, eter] };
-    all.extract_if(1..3, |other| *other == ours).for_each(drop);
+    let others = if on_device { vec![auto, staged, eter] } else { vec![eter] };
+    let mut all = vec![ours];
+    all.extend(others.into_iter().filter(|other| *other != ours));
     if copies == 1 {
         all.extend(all.clone().into_iter().map(|options| Options { trim: Trim::Off, ..options }));
     }
