@@ -2,8 +2,8 @@
 //
 // A group of lanes a meshlet, a lane a triangle or an edge; what has many pixels is drawn by all of them together. The staged
 // frame draws all meshlets by warps, from vertices in memory. The fused frame sorts them into classes first, so that small
-// grids leave no lane idle (research "kernel-study", question 3), and evaluates the vertices here: only shared memory sees
-// them. Small grids that are large on the screen go to the class of large ones.
+// grids leave no lane idle (research "kernel-study", question 3), and evaluates the vertices here: those of single quads and of
+// rows of them in registers, others in shared memory. Small grids that are large on the screen go to the class of large ones.
 #include "bands.cuh"
 
 namespace rasterize {
@@ -19,12 +19,12 @@ struct List {
 };
 
 // Classes of meshlets, each by degrees: 1, 2, 3, and all others. A warp whose meshlets are alike does as one.
-constexpr int CORNERS = 0, NARROW = 1, WIDE = 2, CLASSES = 3, DEGREES = 4;
+constexpr int CORNERS = 0, STRIPS = 1, NARROW = 2, WIDE = 3, CLASSES = 4, DEGREES = 4;
 // Places in the list of counts: meshlets by class and degree, how many of them have been listed, and what few lanes handed on
 // to the wide ones.
 constexpr int CURSORS = CLASSES * DEGREES, HANDED_ON = 2 * CLASSES * DEGREES;
-// Pixels of a meshlet's box that few lanes are enough for.
-constexpr i64 MOST_PIXELS = 4096;
+// Pixels of a triangle's box that few lanes are enough for.
+constexpr i64 MOST_PIXELS = 1024;
 
 // Triangles that are too many pixels for a warp are handed on.
 template <int LANES>
@@ -51,16 +51,16 @@ static __device__ __forceinline__ void triangles(const outlines::Group<LANES> &g
         });
 }
 
-// The meshlet's vertices span more pixels than few lanes should draw.
-static __device__ __forceinline__ bool is_large(const View &view, const Meshlet &m, Span<const Vertex> tile) {
-    int low_x = tile[0].x, high_x = low_x, low_y = tile[0].y, high_y = low_y;
-    for (int k = 1; k < (m.quads[0] + 1) * (m.quads[1] + 1); k++) {
-        low_x = min(low_x, tile[k].x);
-        high_x = max(high_x, tile[k].x);
-        low_y = min(low_y, tile[k].y);
-        high_y = max(high_y, tile[k].y);
+// Few lanes should not draw it. Whoever asks of a meshlet's triangles gets the same answer, so that its strokes are drawn too.
+static __device__ __forceinline__ bool is_large(const PixelBox &box) { return outlines::pixels_of(box) > MOST_PIXELS; }
+
+template <int LANES>
+static __device__ __forceinline__ bool is_large(const outlines::Group<LANES> &group, const outlines::Drawn &d) {
+    bool large = false;
+    for (int k = group.lane; k < topology::triangles(d.m); k += LANES) {
+        large = large || is_large(coverage::box_of(d.view, d.corners(topology::triangle(d.m, d.patch.diagonal, k))));
     }
-    return outlines::pixels_of(pixels_in(view, {low_x, high_x}, {low_y, high_y})) > MOST_PIXELS;
+    return group.ballot(large) != 0;
 }
 
 // Meshlets of a class with degrees below one's place.
@@ -70,6 +70,10 @@ static __device__ __forceinline__ uint32_t before(Buffer<const uint32_t> counts,
         sum += counts[which * DEGREES + k];
     }
     return sum;
+}
+
+static __device__ __forceinline__ void hand_on(Buffer<uint32_t> wide, Buffer<uint32_t> counts, uint32_t number) {
+    wide[before(counts, WIDE, DEGREES) + atomicAdd(&counts[HANDED_ON], 1u)] = number;
 }
 
 // What is drawn: triangles into the near buffer, or, once that is done, strokes into the spare one. Apart, they take half the
@@ -94,6 +98,42 @@ static __device__ __forceinline__ void strokes(const outlines::Group<LANES> &gro
     });
 }
 
+// A thread's meshlet: one quad, or a row of them along either side. Two vertices at a time, which no memory sees; false where a
+// triangle is too large for a thread.
+static __device__ __forceinline__ bool strip(const Geometry &in, uint32_t number, const Meshlet &m, const Patch &patch,
+                                             Buffer<Word> near) {
+    const bool along_v = m.quads[0] == 1;
+    const int length = along_v ? m.quads[1] : m.quads[0];
+    const auto at = [&](int side, int step) {
+        return topology::load(in, m, along_v ? topology::Corner{side, step} : topology::Corner{step, side});
+    };
+    Vertex last[2] = {};
+#pragma unroll 1
+    for (int step = 0; step <= length; step++) {
+        const Vertex low = at(0, step), high = at(1, step);
+        // The quad's corners (0, 0), (1, 0), (1, 1) and (0, 1).
+        const Vertex p = last[0], q = along_v ? last[1] : low, r = high, s = along_v ? low : last[1];
+        last[0] = low, last[1] = high;
+#pragma unroll 1
+        for (int second = 0; second < 2 && step > 0; second++) {
+            const bool main = patch.diagonal == 0;
+            const Corners c = second ? Corners{{main ? p : q, r, s}} : Corners{{p, q, main ? r : s}};
+            const PixelBox box = coverage::box_of(in.view, c);
+            if (is_large(box)) {
+                return false;
+            }
+            if (faces_away(c, patch.hidden) || box.empty()) {
+                continue;
+            }
+            const Word id = topology::word(0.0f, number, uint32_t(2 * (step - 1) + second));
+            coverage::each(box, c, id, 0, 1, [&](int x, int y, Word word) {
+                keep_larger(near, uint32_t(y) * in.view.size[0] + x, word);
+            });
+        }
+    }
+    return true;
+}
+
 // One class of meshlets. `wide`, where it is not null, takes those that are too large for it.
 template <Part PART, int LANES, int VERTICES>
 static __device__ __forceinline__ void meshlets(const Geometry &in, uint32_t count, const List &list, Buffer<uint32_t> wide,
@@ -111,9 +151,9 @@ static __device__ __forceinline__ void meshlets(const Geometry &in, uint32_t cou
         const Span<Vertex> tile = tiles[own];
         outlines::load(group, in, m, tile);
         const outlines::Drawn d = {in.view, in, m, in.patches[m.patch], in.leaves[m.patch], number, tile};
-        if (LANES < 32 && is_large(in.view, m, tile)) {
+        if (LANES < 32 && is_large(group, d)) {
             if (PART == TRIANGLES && group.lane == 0) {
-                wide[before(counts, WIDE, DEGREES) + atomicAdd(&counts[HANDED_ON], 1u)] = number;
+                hand_on(wide, counts, number);
             }
         } else if (PART == TRIANGLES) {
             triangles(group, d, targets.near, targets.bands);
@@ -152,7 +192,8 @@ static __device__ __forceinline__ int bin_of(const Meshlet &m, const Patch &patc
         return -1;
     }
     const int points = (m.quads[0] + 1) * (m.quads[1] + 1);
-    const int which = points == 4 ? CORNERS : points <= 16 ? NARROW : WIDE;
+    const bool row = m.quads[0] == 1 || m.quads[1] == 1;
+    const int which = points == 4 ? CORNERS : row ? STRIPS : points <= 16 ? NARROW : WIDE;
     return which * DEGREES + min(max(max(int(patch.degree[0]), int(patch.degree[1])), 1), DEGREES) - 1;
 }
 
@@ -177,16 +218,19 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 }
 KERNEL(rasterize_classes)
 
-// Sorts them: three lists with room for all, each in order of degrees.
+// Sorts them: a list with room for all for each class, in order of degrees.
 extern "C" __global__ void __launch_bounds__(THREADS)
     rasterize_sort(Buffer<const Patch> patches, Buffer<const Meshlet> meshlets, Count count, Buffer<uint32_t> counts,
-                   Buffer<uint32_t> corners, Buffer<uint32_t> narrow, Buffer<uint32_t> wide) {
+                   Buffer<uint32_t> corners, Buffer<uint32_t> strips, Buffer<uint32_t> narrow, Buffer<uint32_t> wide) {
     const uint32_t k = blockIdx.x * THREADS + threadIdx.x;
     const int bin = k < count.get() ? rasterize::bin_of(meshlets[k], patches[meshlets[k].patch]) : -1;
     const uint32_t place = rasterize::next(counts + rasterize::CURSORS, bin);
     if (bin >= 0) {
         const int which = bin / rasterize::DEGREES;
-        const Buffer<uint32_t> list = which == rasterize::CORNERS ? corners : which == rasterize::NARROW ? narrow : wide;
+        const Buffer<uint32_t> list = which == rasterize::CORNERS  ? corners
+                                      : which == rasterize::STRIPS ? strips
+                                      : which == rasterize::NARROW ? narrow
+                                                                   : wide;
         list[rasterize::before(counts, which, bin % rasterize::DEGREES) + place] = k;
     }
 }
@@ -205,10 +249,28 @@ KERNEL(rasterize_sort)
     }                                                                                                                  \
     KERNEL(name)
 
-// A thread a meshlet of one quad.
-RASTERIZE(rasterize_corners, TRIANGLES, 1, 4, CORNERS)
+// A thread a meshlet of one quad, or of a row of quads.
+#define RASTERIZE_ROWS(name, CLASS)                                                                                    \
+    extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)                                           \
+        name(GEOMETRY, Count, Buffer<const uint32_t> numbers, Buffer<uint32_t> wide, Buffer<uint32_t> counts,          \
+             Buffer<Word> near, Buffer<Word>, const __grid_constant__ bands::Bands) {                                  \
+        const Geometry in = GEOMETRY_ARGUMENTS;                                                                        \
+        const uint32_t length = rasterize::before(counts, rasterize::CLASS, rasterize::DEGREES);                       \
+        for (uint32_t k = blockIdx.x * THREADS + threadIdx.x; k < length; k += gridDim.x * THREADS) {                  \
+            const uint32_t number = numbers[k];                                                                        \
+            const Meshlet m = in.meshlets[number];                                                                     \
+            if (!rasterize::strip(in, number, m, in.patches[m.patch], near)) {                                         \
+                rasterize::hand_on(wide, counts, number);                                                              \
+            }                                                                                                          \
+        }                                                                                                              \
+    }                                                                                                                  \
+    KERNEL(name)
+
+RASTERIZE_ROWS(rasterize_corners, CORNERS)
+RASTERIZE_ROWS(rasterize_strips, STRIPS)
 RASTERIZE(stroke_corners, STROKES, 1, 4, CORNERS)
 // Eight lanes a meshlet of up to 16 vertices.
+RASTERIZE(stroke_strips, STROKES, 8, 16, STRIPS)
 RASTERIZE(rasterize_narrow, TRIANGLES, 8, 16, NARROW)
 RASTERIZE(stroke_narrow, STROKES, 8, 16, NARROW)
 // A warp a meshlet.

@@ -5,7 +5,7 @@ use super::session::THREADS;
 use super::{Argument, Gpu, GpuError};
 
 /// Counts of rasterize.cu: by class and degree, twice, and one more.
-const COUNTS: usize = 2 * 3 * 4 + 1;
+const COUNTS: usize = 2 * 4 * 4 + 1;
 /// Blocks of kernels that go through a list of unknown length: several times as many as any device runs at once.
 const MOST_BLOCKS: usize = 1 << 13;
 
@@ -25,14 +25,17 @@ impl<G: Gpu> Stages<'_, '_, G> {
             return Ok(());
         }
         let mut list = || self.session.allocate::<u32>(count).map(|list| list.pointer());
-        let (corners, narrow, wide) = (list()?, list()?, list()?);
+        let (corners, strips, narrow, wide) = (list()?, list()?, list()?, list()?);
         let counts = self.session.zeroed::<u32>(COUNTS)?.pointer();
         let (patches, meshlets) = (self.geometry.patches.pointer(), self.geometry.meshlets.pointer());
-        let lists: [&dyn Argument; 7] = [&patches, &meshlets, &all, &counts, &corners, &narrow, &wide];
+        let lists: [&dyn Argument; 8] = [&patches, &meshlets, &all, &counts, &corners, &strips, &narrow, &wide];
         self.session.for_each("rasterize_classes", count, &lists[..4])?;
         self.session.for_each("rasterize_sort", count, &lists)?;
         for part in ["rasterize", "stroke"] {
-            for (class, lanes, numbers) in [("corners", 1, corners), ("narrow", 8, narrow), ("wide", 32, wide)] {
+            // A thread draws the triangles of a row of quads, eight lanes its strokes.
+            let row = if part == "rasterize" { 1 } else { 8 };
+            let classes = [("corners", 1, corners), ("strips", row, strips), ("narrow", 8, narrow), ("wide", 32, wide)];
+            for (class, lanes, numbers) in classes {
                 // The host does not know how many there are: blocks go on until the list ends.
                 let blocks = (count * lanes).div_ceil(THREADS as usize).min(MOST_BLOCKS);
                 let rest: [&dyn Argument; 6] = [&numbers, &wide, &counts, &near, &spare, &bands];
