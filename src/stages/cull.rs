@@ -5,7 +5,7 @@
 
 use super::cone::Cone;
 use super::lens::{Lens, PatchMap};
-use super::{Cull, Options, RenderError, Trim};
+use super::{Cull, Options, Precision, RenderError, Trim};
 use crate::cuda::abi;
 use crate::cuda::evaluate::view;
 use crate::cuda::precision::{Arithmetic, Hull};
@@ -249,14 +249,17 @@ impl<'a> Culler<'a> {
             return split;
         }
         let depth_origin = f64::from(((z_min + z_max) * 0.5) as f32);
-        let relief = (z_max - depth_origin).max(depth_origin - z_min);
-        let range = weights.1 / weights.0;
-        let hull = Hull::of(&self.view, net.degree().map(|d| d as u8), [reach, range], [z_min, depth_origin, relief]);
-        let Some(chosen) = self.selection.choose(&self.view, &hull) else { return split };
-        let evaluation = match chosen.arithmetic {
-            Arithmetic::F32 => [rounding, 0.0],
-            _ => [chosen.pixels, chosen.depth * lens.pixel_size(z_max)],
-        };
+        let (mut arithmetic, mut evaluation) = (Arithmetic::F32, [rounding, 0.0]);
+        if self.selection.precision != Precision::F32 {
+            let relief = (z_max - depth_origin).max(depth_origin - z_min);
+            let (degree, range) = (net.degree().map(|d| d as u8), weights.1 / weights.0);
+            let hull = Hull::of(&self.view, degree, [reach, range], [z_min, depth_origin, relief]);
+            let Some(chosen) = self.selection.choose(&self.view, &hull) else { return split };
+            if chosen.arithmetic != Arithmetic::F32 {
+                arithmetic = chosen.arithmetic;
+                evaluation = [chosen.pixels, chosen.depth * lens.pixel_size(z_max)];
+            }
+        }
         Verdict::Keep(Box::new(Leaf {
             instance: 0,
             patch: 0,
@@ -270,7 +273,7 @@ impl<'a> Culler<'a> {
             low: DVec3::new(x_min, y_min, z_min),
             high: DVec3::new(x_max, y_max, z_max),
             rounding,
-            arithmetic: chosen.arithmetic,
+            arithmetic,
             evaluation,
             depth: piece.depth,
             hidden: 0,
