@@ -2,7 +2,7 @@
 
 use super::count::{Count, List};
 use super::gpu::pods;
-use super::precision::{Arithmetic, Hull, Kernel};
+use super::precision::{Arithmetic, Hull, Kernel, LARGEST_TENSOR_DEGREE};
 use super::scan::scan;
 use super::session::{Geometry, Session};
 use super::{Argument, Buffer, Gpu, GpuError, Pointer, Shape, abi};
@@ -169,8 +169,8 @@ struct Places {
 
 pods!(Places);
 
-/// Kernels of [`Kernel::all`].
-const BINS: usize = 13;
+/// Kernels of [`Kernel::all`]: f32 for any degrees and for each that tensor cores do, and one for every other arithmetic.
+const BINS: usize = LARGEST_TENSOR_DEGREE as usize + abi::ARITHMETICS as usize;
 
 /// The vertices of all meshlets that are kept, each patch in its own arithmetic.
 pub(crate) fn evaluate<G: Gpu>(
@@ -186,7 +186,7 @@ pub(crate) fn evaluate<G: Gpu>(
         session.for_all("evaluate_bins", meshlets.count, &arguments)?;
         Ok::<_, GpuError>(counted)
     };
-    // Where a frame does not ask for numbers, the first count is not looked at: the kernels count again.
+    // Room by an earlier frame needs no count before meshlets are sorted.
     let counted = if session.asks() { sort(session, Places::default(), Pointer::NULL)? } else { Pointer::NULL };
     let mut places = Places::default();
     let mut total = 0;
