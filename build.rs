@@ -45,7 +45,10 @@ fn device_kernels() -> Result<(), String> {
             }
             compile(&root, &out, &nvcc)?;
             let folder = nvcc.path.parent().map(|p| p.display().to_string()).unwrap_or_default();
-            let toolkit = format!("Ok(Toolkit {{ version: {:?}, folder: {folder:?} }})", nvcc.version);
+            let toolkit = format!(
+                "Ok(Toolkit {{ version: {:?}, folder: {folder:?}, spills: include!(\"kernels.spills\") }})",
+                nvcc.version
+            );
             ("Some(&Aligned(*include_bytes!(\"kernels.fatbin\")))", toolkit)
         }
         Err(reason) => ("None", format!("Err({reason:?})")),
@@ -144,9 +147,11 @@ fn compile(root: &Path, out: &Path, nvcc: &Nvcc) -> Result<(), String> {
         let hint = if about_a_kernel { "" } else { ": is there a g++ it knows? NVCC=none builds for the CPU alone" };
         return Err(format!("{said}\n{} ({}) can't compile kernels/{hint}", nvcc.path.display(), nvcc.version));
     }
-    for line in said.lines().filter(|l| !l.trim().is_empty()) {
-        println!("cargo::warning={line}");
-    }
+    let (spills, warnings): (Vec<&str>, Vec<&str>) =
+        said.lines().filter(|l| !l.trim().is_empty()).partition(|l| l.contains("Registers are spilled"));
+    warnings.iter().for_each(|line| println!("cargo::warning={line}"));
+    let file = out.join("kernels.spills");
+    fs::write(&file, format!("&{spills:?}")).map_err(|e| format!("cannot write {}: {e}", file.display()))?;
     fs::write(&stamp, key).map_err(|e| format!("cannot write {}: {e}", stamp.display()))
 }
 
@@ -165,6 +170,8 @@ fn arguments() -> Vec<String> {
         "--prec-sqrt=true",
         // Profilers show lines; costs no instruction.
         "-lineinfo",
+        // tests/kernel_resources wants none.
+        "-Xptxas=--warn-on-spills",
         "--compress-mode=size",
         // One thread a target and core.
         "--threads=0",

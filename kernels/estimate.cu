@@ -72,9 +72,9 @@ extern "C" __global__ void __launch_bounds__(1) estimate_begin(Buffer<Counters> 
 }
 KERNEL(estimate_begin)
 
-// BOUND: a `BoundRule` that the compiler knows, or that of the rules.
-#define ESTIMATE(name, BOUND)                                                                                          \
-    extern "C" __global__ void __launch_bounds__(estimate::THREADS)                                                    \
+// BOUND: a `BoundRule` that the compiler knows, or that of the rules. BLOCKS: that a multiprocessor holds without spills.
+#define ESTIMATE(name, BOUND, BLOCKS)                                                                                  \
+    extern "C" __global__ void __launch_bounds__(estimate::THREADS, BLOCKS)                                            \
         name(const __grid_constant__ View view, const __grid_constant__ Rules rules,                                   \
              const __grid_constant__ scene::Scene scene, uint32_t instances, Count count, Buffer<Visible> visible,     \
              Buffer<uint32_t> leaf_counts, Buffer<uint32_t> point_counts, Buffer<uint32_t> work,                       \
@@ -84,9 +84,9 @@ KERNEL(estimate_begin)
     }                                                                                                                  \
     KERNEL(name)
 
-ESTIMATE(estimate_patches, rules.bound)
+ESTIMATE(estimate_patches, rules.bound, 4)
 // The default bound: much less code.
-ESTIMATE(estimate_patches_screen, BOUND_SCREEN)
+ESTIMATE(estimate_patches_screen, BOUND_SCREEN, 6)
 
 // A thread a visible patch that is drawn as a whole: its leaf, in its place among `all`.
 extern "C" __global__ void __launch_bounds__(128)

@@ -129,24 +129,25 @@ static __device__ __forceinline__ void borders(const Group<LANES> &group, const 
 
 // The meshlets of the same patch that follow one in u and in v. They come in parameter order, v innermost.
 struct Next {
+    static constexpr uint32_t NONE = ~0u;
     uint32_t u, v;
-    bool has_u, has_v;
 };
 
 static __device__ __forceinline__ Next next_of(const Drawn &d, uint32_t count) {
     const int end_u = d.m.first[0] + d.m.quads[0], end_v = d.m.first[1] + d.m.quads[1];
-    Next next = {0, d.number + 1, false, false};
-    if (next.v < count && (d.m.outer >> 3 & 1) == 0) {
-        const Meshlet m = d.in.meshlets[next.v];
-        next.has_v = m.patch == d.m.patch && m.first[0] == d.m.first[0] && m.first[1] == end_v;
-    }
-    if ((d.m.outer >> 1 & 1) == 0) {
-        for (next.u = d.number + 1; next.u < count && !next.has_u; next.u += !next.has_u) {
-            const Meshlet m = d.in.meshlets[next.u];
-            if (m.patch != d.m.patch) {
-                break;
-            }
-            next.has_u = m.first[0] == end_u && m.first[1] == d.m.first[1];
+    Next next = {Next::NONE, Next::NONE};
+    const bool inner_u = (d.m.outer >> 1 & 1) == 0, inner_v = (d.m.outer >> 3 & 1) == 0;
+    // The one in v is the very next.
+    for (uint32_t k = d.number + 1; k < count && (inner_u || k == d.number + 1) && next.u == Next::NONE; k++) {
+        const Meshlet &m = d.in.meshlets[k];
+        if (m.patch != d.m.patch) {
+            break;
+        }
+        if (inner_v && k == d.number + 1 && m.first[0] == d.m.first[0] && m.first[1] == end_v) {
+            next.v = k;
+        }
+        if (inner_u && m.first[0] == end_u && m.first[1] == d.m.first[1]) {
+            next.u = k;
         }
     }
     return next;
@@ -181,7 +182,7 @@ static __device__ __forceinline__ FoldEdge fold_edge(const Drawn &d, const Next 
         FoldEdge edge = {{a, b + 1}, {a + 1, b + 1}, false};
         if (b + 1 < d.m.quads[1]) {
             edge.across = facing(d, a, b, 1) != facing(d, a, b + 1, 0);
-        } else if (next.has_v) {
+        } else if (next.v != Next::NONE) {
             edge.across = facing(d, a, b, 1) != facing(d, d.in.meshlets[next.v], a, 0, 0);
         }
         return edge;
@@ -190,7 +191,7 @@ static __device__ __forceinline__ FoldEdge fold_edge(const Drawn &d, const Next 
     FoldEdge edge = {{a + 1, b}, {a + 1, b + 1}, false};
     if (a + 1 < d.m.quads[0]) {
         edge.across = facing(d, a, b, main ? 0 : 1) != facing(d, a + 1, b, main ? 1 : 0);
-    } else if (next.has_u) {
+    } else if (next.u != Next::NONE) {
         edge.across = facing(d, a, b, main ? 0 : 1) != facing(d, d.in.meshlets[next.u], 0, b, main ? 1 : 0);
     }
     return edge;

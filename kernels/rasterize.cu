@@ -8,9 +8,6 @@
 
 namespace rasterize {
 
-// Blocks that a multiprocessor should hold at least: without it, registers are spilled to hold more.
-constexpr int BLOCKS = 4;
-
 // Meshlets of one class.
 struct List {
     // Their numbers; null: all meshlets.
@@ -144,7 +141,8 @@ static __device__ __forceinline__ void meshlets(const Geometry &in, uint32_t cou
     const int own = threadIdx.x / LANES;
     for (uint32_t k = blockIdx.x * GROUPS + own; k < list.length; k += gridDim.x * GROUPS) {
         const uint32_t number = list.numbers ? list.numbers[k] : k;
-        const Meshlet m = in.meshlets[number];
+        // Not a copy, which would take registers.
+        const Meshlet &m = in.meshlets[number];
         if (m.tested) {
             continue;
         }
@@ -168,7 +166,7 @@ static __device__ __forceinline__ void meshlets(const Geometry &in, uint32_t cou
 } // namespace rasterize
 
 // All meshlets but those that trim tests, by warps.
-extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)
+extern "C" __global__ void __launch_bounds__(THREADS, BLOCKS)
     rasterize_triangles(GEOMETRY, Count all, Buffer<Word> near, const __grid_constant__ bands::Bands bands) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t count = all.get();
@@ -176,7 +174,7 @@ extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)
 }
 KERNEL(rasterize_triangles)
 
-extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)
+extern "C" __global__ void __launch_bounds__(THREADS, BLOCKS)
     rasterize_strokes(GEOMETRY, Count all, Buffer<Word> near, Buffer<Word> spare) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t count = all.get();
@@ -237,7 +235,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 KERNEL(rasterize_sort)
 
 #define RASTERIZE(name, PART, LANES, VERTICES, CLASS)                                                                  \
-    extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)                                           \
+    extern "C" __global__ void __launch_bounds__(THREADS, BLOCKS)                                                      \
         name(GEOMETRY, Count all, Buffer<const uint32_t> numbers, Buffer<uint32_t> wide, Buffer<uint32_t> counts,      \
              Buffer<Word> near, Buffer<Word> spare, const __grid_constant__ bands::Bands bands) {                      \
         const Geometry in = GEOMETRY_ARGUMENTS;                                                                        \
@@ -251,7 +249,7 @@ KERNEL(rasterize_sort)
 
 // A thread a meshlet of one quad, or of a row of quads.
 #define RASTERIZE_ROWS(name, CLASS)                                                                                    \
-    extern "C" __global__ void __launch_bounds__(THREADS, rasterize::BLOCKS)                                           \
+    extern "C" __global__ void __launch_bounds__(THREADS, BLOCKS)                                                      \
         name(GEOMETRY, Count, Buffer<const uint32_t> numbers, Buffer<uint32_t> wide, Buffer<uint32_t> counts,          \
              Buffer<Word> near, Buffer<Word>, const __grid_constant__ bands::Bands) {                                  \
         const Geometry in = GEOMETRY_ARGUMENTS;                                                                        \

@@ -142,7 +142,7 @@ KERNEL(settle_starts)
 
 // Refines every start; the nearest surface exactly under its pixel's centre wins, among equals the larger word.
 // `reaching`: faces reach over the model's gaps; else only what lies under the centre itself counts.
-extern "C" __global__ void __launch_bounds__(THREADS)
+extern "C" __global__ void __launch_bounds__(THREADS, BLOCKS)
     settle_search(GEOMETRY, Buffer<Filled> pixels, Buffer<Start> starts, Count candidates, uint32_t reaching,
                   const __grid_constant__ trims::Trims trims) {
     const Geometry in = GEOMETRY_ARGUMENTS;

@@ -135,7 +135,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 KERNEL(settle_mark)
 
 // One warp a meshlet; a grid of ceil(room / 4) blocks. `candidates` null: only counts; else `all` of them.
-extern "C" __global__ void __launch_bounds__(THREADS)
+extern "C" __global__ void __launch_bounds__(THREADS, 3)
     settle_find(GEOMETRY, Count count, Buffer<const uint32_t> slots, Buffer<const uint32_t> tiles, Buffer<Filled> pixels,
                 Count all, Buffer<Word> candidates, Buffer<uint32_t> cursors) {
     const Geometry in = GEOMETRY_ARGUMENTS;

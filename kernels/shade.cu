@@ -105,7 +105,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 KERNEL(shade_filled)
 
 // Other ways to fill: what refinement leaves beyond half a pixel goes back to N. `best` is 1 for pixels that stay.
-extern "C" __global__ void __launch_bounds__(THREADS)
+extern "C" __global__ void __launch_bounds__(THREADS, 4)
     shade_refuse(GEOMETRY, Buffer<Word> near, Buffer<Filled> filled, Count count) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t k = blockIdx.x * blockDim.x + threadIdx.x;

@@ -111,7 +111,7 @@ static __device__ uint32_t leaves_of(Piece &piece, Lists &lists, const Buffers &
 } // namespace split
 
 // A warp a block; each takes patches until none is left.
-extern "C" __global__ void __launch_bounds__(32)
+extern "C" __global__ void __launch_bounds__(32, 8)
     split_patches(const __grid_constant__ View view, const __grid_constant__ Rules rules,
                   const __grid_constant__ scene::Scene scene, const __grid_constant__ split::Buffers out,
                   const __grid_constant__ split::Sizes sizes) {

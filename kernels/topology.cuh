@@ -8,6 +8,13 @@ using Word = unsigned long long;
 
 // A block of kernels that give a thread to each pixel, or to each entry of a list: `THREADS` of src/cuda/session.rs.
 constexpr int THREADS = 128;
+// Blocks of them that a multiprocessor should hold at least, where more would spill registers: 64-bit sums take more of them on
+// sm_120.
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 1200
+constexpr int BLOCKS = 3;
+#else
+constexpr int BLOCKS = 4;
+#endif
 
 // What the stages that draw read: the frame's patches with their grids, and the vertices that evaluate made of them. In the
 // fused frame only what tensor cores made is kept, and null where there is none; others are evaluated where they are wanted.

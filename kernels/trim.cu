@@ -13,6 +13,8 @@
 namespace trim {
 
 constexpr int WARPS = THREADS / 32;
+// Blocks that a multiprocessor should hold at least: with more, registers are spilled.
+constexpr int BLOCKS = 2;
 using Warp = outlines::Group<32>;
 
 // What trimming did: places in the list of counts.
@@ -83,7 +85,7 @@ static __device__ __forceinline__ void triangle(const outlines::Drawn &d, const 
 
 // A fragment for the spare buffer. One that stays as it is shows its own parameters, so that these are tested; one that only
 // proposes a pixel is refused where nothing of the face is near.
-static __device__ __forceinline__ bool keeps_stroke(const outlines::Drawn &d, const trims::Trims &trims, int x, int y,
+static __device__ __noinline__ bool keeps_stroke(const outlines::Drawn &d, const trims::Trims &trims, int x, int y,
                                                     Word word) {
     const uint32_t index = topology::index_of(word);
     // A fold has no parameters of its own.
@@ -106,7 +108,7 @@ static __device__ __forceinline__ bool keeps_stroke(const outlines::Drawn &d, co
 } // namespace trim
 
 // The tested meshlets; a grid of ceil(count / 4) blocks. `counted`: trim::COUNTS of them.
-extern "C" __global__ void __launch_bounds__(THREADS)
+extern "C" __global__ void __launch_bounds__(THREADS, trim::BLOCKS)
     trim_meshlets(GEOMETRY, Count count, const __grid_constant__ trims::Trims trims, Buffer<Word> near, uint32_t room,
                   Buffer<Fragment> queue, Buffer<uint64_t> counted, const __grid_constant__ bands::Bands bands) {
     const Geometry in = GEOMETRY_ARGUMENTS;
@@ -138,7 +140,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 KERNEL(trim_meshlets)
 
 // What was handed on, a warp a band.
-extern "C" __global__ void __launch_bounds__(THREADS)
+extern "C" __global__ void __launch_bounds__(THREADS, trim::BLOCKS)
     trim_bands(GEOMETRY, Count, const __grid_constant__ trims::Trims trims, Buffer<Word> near, uint32_t room,
                Buffer<Fragment> queue, Buffer<uint64_t> counted, const __grid_constant__ bands::Bands bands) {
     const Geometry in = GEOMETRY_ARGUMENTS;
@@ -186,7 +188,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 KERNEL(trim_fragments)
 
 // Strokes of the tested meshlets, once the near buffer is done.
-extern "C" __global__ void __launch_bounds__(THREADS)
+extern "C" __global__ void __launch_bounds__(THREADS, trim::BLOCKS)
     trim_strokes(GEOMETRY, Count count, const __grid_constant__ trims::Trims trims, Buffer<const Word> near,
                  Buffer<Word> spare) {
     const Geometry in = GEOMETRY_ARGUMENTS;
@@ -194,7 +196,8 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     if (number >= count.get() || !in.meshlets[number].tested) {
         return;
     }
-    const Meshlet m = in.meshlets[number];
+    // Not a copy, which would take registers.
+    const Meshlet &m = in.meshlets[number];
     SHARED(Vertex, tiles, [trim::WARPS][64]);
     const Span<Vertex> tile = tiles[threadIdx.x / 32];
     const trim::Warp warp = trim::Warp::here();

@@ -164,7 +164,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 KERNEL(texture_sizes)
 
 // A thread a row of some texture.
-extern "C" __global__ void __launch_bounds__(THREADS)
+extern "C" __global__ void __launch_bounds__(THREADS, 4)
     texture_rows(uint32_t count, uint32_t leaves, const __grid_constant__ trims::Trims trims, Buffer<const Leaf> described,
                  Buffer<TrimTexture> textures, Buffer<const uint32_t> first_rows, Buffer<const uint32_t> first_words,
                  Buffer<uint32_t> texels) {
@@ -191,7 +191,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 KERNEL(texture_rows)
 
 // The tested meshlets, by their textures; a grid of ceil(count / 4) blocks.
-extern "C" __global__ void __launch_bounds__(THREADS)
+extern "C" __global__ void __launch_bounds__(THREADS, 2)
     texture_meshlets(GEOMETRY, Count count, const __grid_constant__ trims::Trims trims, Buffer<Word> near,
                      Buffer<TextureCounts> counts) {
     const Geometry in = GEOMETRY_ARGUMENTS;

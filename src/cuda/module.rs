@@ -16,6 +16,8 @@ pub struct Toolkit {
     pub version: &'static str,
     /// Where its programs were.
     pub folder: &'static str,
+    /// What it said of kernels that keep registers in local memory, a line a kernel and target.
+    pub spills: &'static [&'static str],
 }
 
 include!(concat!(env!("OUT_DIR"), "/device_kernels.rs"));
