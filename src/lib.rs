@@ -47,3 +47,4 @@ pub mod report;
 pub mod scene;
 pub mod stages;
 pub mod verify;
+pub mod vulkan;

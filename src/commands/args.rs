@@ -1,11 +1,11 @@
 //! Arguments that commands share: everything that decides a frame.
 
 use super::UsageError;
-use super::backend::Backend;
+use super::backend::{self, Backend};
 use super::source::ModelArgs;
 use crate::scene::{Camera, MAX_SIDE, Scene, View, ViewSpec};
-use crate::stages::{Bound, Cull, Fill, FrameShape, Grid, Options, Precision, Show, Trim};
-use anyhow::Result;
+use crate::stages::{Bound, Cull, Fill, FrameShape, Grid, Options, Precision, Raster, Show, Trim};
+use anyhow::{Result, bail};
 use clap::ValueEnum;
 use glam::DVec3;
 
@@ -71,6 +71,9 @@ pub struct FrameArgs {
     /// What draws the frame
     #[arg(long, value_enum, default_value_t)]
     pub backend: Backend,
+    /// What turns triangles into fragments
+    #[arg(long, value_enum, default_value_t)]
+    pub raster: Raster,
     /// How a GPU's frame is made [default: fused]
     #[arg(long, value_enum)]
     pub frame: Option<FrameShape>,
@@ -100,6 +103,7 @@ impl FrameArgs {
             trim: self.trim,
             show: self.show,
             frame: self.frame.unwrap_or_default(),
+            raster: self.raster,
             precision: self.precision.unwrap_or_default(),
             refine: self.refine,
             tolerance: self.tolerance,
@@ -121,6 +125,20 @@ impl FrameArgs {
             return Ok(());
         };
         Err(UsageError(format!("{asked} for the kernels of a GPU: add --backend cuda or --backend emulated")).into())
+    }
+
+    /// Refuses what hardware is asked to rasterise and can't.
+    pub fn check_raster(&self) -> Result<()> {
+        if !self.raster.is_hardware() {
+            return Ok(());
+        }
+        let name = self.raster.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default();
+        if matches!(self.backend, Backend::Cuda | Backend::Emulated) {
+            let why = "draws the frames of the CPU alone in this version: add --backend cpu";
+            return Err(UsageError(format!("--raster {name} {why}")).into());
+        }
+        let missing = backend::vulkan_missing();
+        if missing.is_empty() { Ok(()) } else { bail!("--raster {name} can't be used: {}", missing.join("; ")) }
     }
 
     /// The camera that was asked for, before it knows the model.

@@ -2,7 +2,7 @@
 //! back.
 
 use crate::stages::Engine;
-use crate::{cuda, emulated};
+use crate::{cuda, emulated, vulkan};
 use anyhow::bail;
 use serde::Serialize;
 
@@ -48,6 +48,11 @@ impl Backend {
 /// Why no frame is drawn with CUDA here.
 pub fn cuda_missing() -> Vec<String> {
     cuda::missing().iter().map(ToString::to_string).collect()
+}
+
+/// The same for Vulkan's mesh shaders.
+pub fn vulkan_missing() -> Vec<String> {
+    vulkan::missing().iter().map(ToString::to_string).collect()
 }
 
 /// The same for kernels on the CPU.

@@ -1,7 +1,7 @@
 //! `halfpixel devices`: lists what frames can be drawn on, and what is missing where one can't.
 
 use super::{backend, output, used};
-use crate::{cuda, emulated};
+use crate::{cuda, emulated, vulkan};
 use anyhow::{Result, bail};
 use serde::Serialize;
 use std::{process::ExitCode, thread};
@@ -39,6 +39,7 @@ enum Device {
         simd: String,
     },
     Cuda(cuda::Device),
+    Vulkan(vulkan::Found),
 }
 
 #[derive(Serialize)]
@@ -51,9 +52,12 @@ pub fn run(args: Args) -> Result<ExitCode> {
     let threads = thread::available_parallelism().map_or(1, Into::into);
     let mut devices = vec![Device::Cpu { name: used::cpu_name(), threads, simd: used::simd_level() }];
     devices.extend(cuda::devices().unwrap_or_default().into_iter().map(Device::Cuda));
-    let no_vulkan = "no Vulkan backend is built into this version".into();
-    let missing =
-        [("cuda", backend::cuda_missing()), ("emulated", backend::emulated_missing()), ("vulkan", vec![no_vulkan])];
+    devices.extend(vulkan::devices().unwrap_or_default().into_iter().map(Device::Vulkan));
+    let missing = [
+        ("cuda", backend::cuda_missing()),
+        ("emulated", backend::emulated_missing()),
+        ("vulkan", backend::vulkan_missing()),
+    ];
     let missing = missing.into_iter().filter(|(_, reasons)| !reasons.is_empty());
     let missing = missing.map(|(backend, reasons)| Missing { backend, reasons }).collect();
     let loaded = if args.load { Some(load()?) } else { None };
@@ -101,6 +105,14 @@ fn line(device: &Device) -> String {
                  {driver} for CUDA {cuda}.{cuda_minor}, {})",
                 "cuda", d.name, d.ordinal, d.multiprocessors, d.uuid
             )
+        }
+        Device::Vulkan(d) => {
+            let able = match (d.missing.is_empty(), d.absent.is_empty()) {
+                (false, _) => format!("; lacks {}", d.missing.join(", ")),
+                (true, false) => format!("; {}", d.absent.join("; ")),
+                (true, true) => String::new(),
+            };
+            format!("{:<9}{} ({}, {}, {}{able})", "vulkan", d.name, d.kind, d.driver, d.uuid)
         }
     }
 }

@@ -96,7 +96,7 @@ impl<'a> Subject<'a> {
 
     /// The row of a finished run.
     pub fn labelled(&self, view: &ViewSpec, options: &Options, outcome: Outcome) -> Row {
-        let used = Used::new(options, self.renderer.engine());
+        let used = Used::by(options, &self.renderer);
         Row {
             model: self.model.clone(),
             shot: shot(view),

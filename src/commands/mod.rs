@@ -79,6 +79,7 @@ fn run(command: Command) -> anyhow::Result<ExitCode> {
     if let Some(frame) = command.frame() {
         frame.backend.check()?;
         frame.check_kernels()?;
+        frame.check_raster()?;
     }
     match command {
         Command::Render(args) => render::run(args),

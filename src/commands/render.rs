@@ -88,7 +88,7 @@ fn draw(args: &Args, format: ImageFormat) -> Result<Report<'_>> {
         source,
         output: &args.output,
         size: camera.size,
-        used: Used::new(&options, renderer.engine()),
+        used: Used::by(&options, &renderer),
         options,
         stats,
         lost_faces,

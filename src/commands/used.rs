@@ -1,7 +1,7 @@
 //! What a frame really used, for every output that states a measurement.
 
 pub use crate::report::cpu_name;
-use crate::stages::{Bound, Engine, Fill, FrameShape, Grid, Options, Precision};
+use crate::stages::{Bound, Engine, Fill, FrameShape, Grid, Options, Precision, Raster, Renderer};
 use fearless_simd::Level;
 use serde::Serialize;
 
@@ -11,6 +11,9 @@ pub struct Used {
     pub backend: &'static str,
     /// What turned triangles into fragments.
     pub raster: &'static str,
+    /// The Vulkan device that was given triangles, and its driver.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub raster_device: Option<String>,
     pub bound: Bound,
     pub fill: Fill,
     pub grid: Grid,
@@ -24,11 +27,23 @@ pub struct Used {
 }
 
 impl Used {
+    /// What a renderer used for its last frame.
+    pub fn by(options: &Options, renderer: &Renderer) -> Self {
+        let hardware = renderer.rasterizer().filter(|_| options.raster.is_hardware()).map(|r| &r.device().found);
+        let raster_device = hardware.map(|found| format!("{} ({})", found.name, found.driver));
+        Self { raster_device, ..Self::new(options, renderer.engine()) }
+    }
+
     /// What a frame with these options uses on the current thread pool.
     pub fn new(options: &Options, engine: &Engine) -> Self {
         Self {
             backend: engine.name(),
-            raster: "software",
+            raster: match options.raster {
+                Raster::Auto | Raster::Software => "software",
+                Raster::Hybrid => "hybrid",
+                Raster::Hardware => "hardware",
+            },
+            raster_device: None,
             bound: options.bound,
             fill: options.fill,
             grid: options.grid,

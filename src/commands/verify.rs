@@ -86,7 +86,7 @@ fn check(args: &Args) -> Result<Verification> {
     Ok(Verification {
         source,
         size: camera.size,
-        used: Used::new(&options, renderer.engine()),
+        used: Used::by(&options, &renderer),
         interpolation: options.bound.interpolation(),
         tolerance: options.tolerance,
         refine: options.refine,

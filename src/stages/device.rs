@@ -73,6 +73,9 @@ impl Renderer<'_> {
         camera: &Camera,
         options: &Options,
     ) -> Result<Frame, RenderError> {
+        if options.raster.is_hardware() {
+            return Err(RenderError::NotByHardware);
+        }
         if options.show != Show::Shaded && options.precision != Precision::F32 {
             return Err(RenderError::NotExplained);
         }
@@ -158,6 +161,7 @@ impl Renderer<'_> {
             meshlets: session.length(geometry.meshlets.meshlets.count)?,
             quads,
             triangles: 2 * quads,
+            triangles_hardware: 0,
             filled: filled.len() as u64,
             drawn: drawn.near.iter().filter(|&&word| word != 0).count() as u64,
             trim: drawn.trim.plus(counts),

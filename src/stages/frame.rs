@@ -21,6 +21,7 @@ use super::{Bound, FrameShape, Options, Precision, Trim};
 use crate::cuda::selection::{Clocks, Selection};
 use crate::cuda::{self, GpuError, abi, evaluate::Staged, scene::SceneOnDevice};
 use crate::scene::{Camera, PatchTrim, Scene};
+use crate::vulkan::{Rasterizer, VulkanError};
 use glam::Vec4;
 use rayon::prelude::*;
 use std::sync::atomic::AtomicU64;
@@ -70,8 +71,12 @@ pub enum RenderError {
     NoTensorCores,
     #[error("pictures that explain a frame are painted of grids in f32: use --precision f32, or --show shaded")]
     NotExplained,
+    #[error("--raster hybrid and hardware draw the frames of --backend cpu alone in this version")]
+    NotByHardware,
     #[error(transparent)]
     Gpu(#[from] GpuError),
+    #[error("--raster: {0}")]
+    Vulkan(#[from] VulkanError),
     #[error("the slefe bound covers polynomial patches up to degree 7; face {face} is {what}")]
     SlefeUnsupported { face: u32, what: String },
 }
@@ -122,6 +127,8 @@ pub struct Renderer<'a> {
     pub(super) kept: Option<Kept>,
     tables: BasisTables,
     spare_targets: Option<Targets>,
+    /// Made when a frame first asks for it.
+    pub(super) hardware: Option<Rasterizer>,
 }
 
 /// What the geometry stages make of all patches.
@@ -139,7 +146,16 @@ impl<'a> Renderer<'a> {
 
     pub fn with(scene: &'a Scene, engine: Engine) -> Self {
         let clocks = Clocks::of(engine.compute_capability());
-        Self { scene, engine, resident: None, clocks, kept: None, tables: BasisTables::new(), spare_targets: None }
+        Self {
+            scene,
+            engine,
+            resident: None,
+            clocks,
+            kept: None,
+            tables: BasisTables::new(),
+            spare_targets: None,
+            hardware: None,
+        }
     }
 
     /// By what kernels' patches get their arithmetic.
@@ -181,7 +197,12 @@ impl<'a> Renderer<'a> {
         let mut targets = self.take_targets(camera.size);
         let pen = |(leaf, grid)| self.pen(&lens, options, leaf, grid, &leaves.nets);
         let pens: Vec<Pen> = leaves.leaves.par_iter().zip(&grids).map(pen).collect();
-        rasterize(&meshlets, &pens, options, camera.size, &mut targets);
+        let hardware = self.routes(options, &lens, &leaves, &grids);
+        let software = |k: &u32| !hardware.takes(meshlets.meshlets[*k as usize].leaf);
+        let numbers = (0..meshlets.meshlets.len() as u32).filter(software);
+        rasterize(&meshlets, numbers, &pens, options, camera.size, &mut targets);
+        let triangles_hardware =
+            self.rasterize_by_hardware(&lens, options, &leaves, &grids, &meshlets, &hardware, &mut targets)?;
         clock.stage("rasterize");
         let Leaves { leaves, nets, patches_visible } = leaves;
         let mut shader = Shader {
@@ -209,6 +230,7 @@ impl<'a> Renderer<'a> {
             meshlets: meshlets.meshlets.len() as u64,
             quads: meshlets.quads,
             triangles: 2 * meshlets.quads,
+            triangles_hardware,
             filled: filled.len() as u64,
             drawn: targets.near.par_iter().filter(|&&word| word != 0).count() as u64,
             trim,

@@ -77,6 +77,21 @@ pub enum FrameShape {
     Staged,
 }
 
+/// What turns triangles into fragments. All draw the same words.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Raster {
+    /// The fastest that is there
+    #[default]
+    Auto,
+    /// The backend's own
+    Software,
+    /// Vulkan mesh shaders for patches of large triangles, software for the others
+    Hybrid,
+    /// Vulkan mesh shaders for all
+    Hardware,
+}
+
 /// How trim loops cut their faces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
@@ -115,6 +130,7 @@ pub struct Options {
     pub trim: Trim,
     pub show: Show,
     pub frame: FrameShape,
+    pub raster: Raster,
     /// Of evaluation on a device; the CPU has f32 alone.
     pub precision: Precision,
     /// Newton steps towards the pixel centre; 0 is the papers' way.
@@ -135,11 +151,19 @@ impl Default for Options {
             trim: Trim::On,
             show: Show::Shaded,
             frame: FrameShape::Fused,
+            raster: Raster::Auto,
             precision: Precision::F32,
             refine: 2,
             tolerance: 0.5,
             depth_tolerance: 1.0,
         }
+    }
+}
+
+impl Raster {
+    /// Vulkan is asked for by name.
+    pub fn is_hardware(self) -> bool {
+        matches!(self, Raster::Hybrid | Raster::Hardware)
     }
 }
 

@@ -29,11 +29,17 @@ pub(super) struct Band<'a> {
     pub listed: Option<Vec<(u32, u64)>>,
 }
 
-/// Draws all meshlets but those that trim.rs tests. `pens[leaf]` is the stroke radius of a leaf.
-pub(super) fn rasterize(meshlets: &Meshlets, pens: &[Pen], options: &Options, size: [u32; 2], targets: &mut Targets) {
+/// Draws the meshlets that are named, but for those that trim.rs tests. `pens[leaf]` is the stroke radius of a leaf.
+pub(super) fn rasterize(
+    meshlets: &Meshlets,
+    numbers: impl Iterator<Item = u32> + Clone,
+    pens: &[Pen],
+    options: &Options,
+    size: [u32; 2],
+    targets: &mut Targets,
+) {
     let width = size[0] as usize;
-    let all = 0..meshlets.meshlets.len() as u32;
-    let bins = Bins::new(&meshlets.meshlets, all, (size[1] as usize).div_ceil(BAND));
+    let bins = Bins::new(&meshlets.meshlets, numbers, (size[1] as usize).div_ceil(BAND));
     let bands = targets
         .near
         .par_chunks_mut(width * BAND)

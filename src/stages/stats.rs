@@ -25,6 +25,8 @@ pub struct Stats {
     pub quads: u64,
     /// Generated after culling.
     pub triangles: u64,
+    /// Those of them that Vulkan's mesh shaders were given.
+    pub triangles_hardware: u64,
     /// Pixels that the spare buffer decided.
     pub filled: u64,
     pub drawn: u64,

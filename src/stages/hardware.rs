@@ -1,0 +1,136 @@
+//! rasterize by hardware: which leaves go there, and what comes back (ETER section 6.2).
+
+use super::cull::{Leaf, Leaves};
+use super::estimate::Tessellation;
+use super::evaluate::{Meshlets, Vertex};
+use super::frame::{RenderError, Renderer, Targets};
+use super::lens::Lens;
+use super::rasterize::BAND;
+use super::{Options, Raster};
+use crate::cuda::abi;
+use crate::vulkan::{Device, Input, Rasterizer, Validation};
+use glam::Vec2;
+use rayon::prelude::*;
+
+/// Pixels along the longer side of a quad from which on hardware draws a leaf; not measured yet.
+const LARGE: f32 = 32.0;
+
+/// The leaves that hardware draws: whole ones, so that all of a leaf's triangles go one way.
+pub(super) enum Routes {
+    Software,
+    Hardware,
+    /// By leaf.
+    Both(Vec<bool>),
+}
+
+impl Routes {
+    pub fn takes(&self, leaf: u32) -> bool {
+        match self {
+            Routes::Software => false,
+            Routes::Hardware => true,
+            Routes::Both(leaves) => leaves[leaf as usize],
+        }
+    }
+}
+
+/// How long a quad's sides may be, in pixels: ETER's first-derivative rule, on the projected net.
+fn quad_side(leaf: &Leaf, grid: &Tessellation, net: &[glam::Vec4], perspective: bool) -> f32 {
+    let [m, n] = leaf.degree;
+    let at = |i: usize, j: usize| {
+        let p = net[i * (n + 1) + j];
+        let denominator = if perspective { p.z + leaf.depth_origin as f32 * p.w } else { p.w };
+        Vec2::new(p.x, p.y) / denominator
+    };
+    let (mut along_u, mut along_v) = (0.0f32, 0.0f32);
+    for (i, j) in (0..=m).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+        if i < m {
+            along_u = along_u.max((at(i + 1, j) - at(i, j)).length());
+        }
+        if j < n {
+            along_v = along_v.max((at(i, j + 1) - at(i, j)).length());
+        }
+    }
+    (along_u * m as f32 / grid.quads[0] as f32).max(along_v * n as f32 / grid.quads[1] as f32)
+}
+
+impl Renderer<'_> {
+    /// What draws triangles where `Options::raster` asks for hardware, once it has.
+    pub fn rasterizer(&self) -> Option<&Rasterizer> {
+        self.hardware.as_ref()
+    }
+
+    /// Hands it over.
+    pub fn take_rasterizer(&mut self) -> Option<Rasterizer> {
+        self.hardware.take()
+    }
+
+    /// Hardware other than the first that will do.
+    pub fn set_rasterizer(&mut self, rasterizer: Rasterizer) {
+        self.hardware = Some(rasterizer);
+    }
+
+    pub(super) fn routes(&self, options: &Options, lens: &Lens, leaves: &Leaves, grids: &[Tessellation]) -> Routes {
+        let large = |(leaf, grid): (&Leaf, &Tessellation)| {
+            let net = &leaves.nets[leaf.net as usize..leaf.net as usize + leaf.points()];
+            quad_side(leaf, grid, net, lens.perspective) >= LARGE
+        };
+        match options.raster {
+            Raster::Auto | Raster::Software => Routes::Software,
+            Raster::Hardware => Routes::Hardware,
+            Raster::Hybrid => Routes::Both(leaves.leaves.par_iter().zip(grids).map(large).collect()),
+        }
+    }
+
+    /// Draws what is routed to the hardware into buffers that have been begun; returns how many triangles that were.
+    pub(super) fn rasterize_by_hardware(
+        &mut self,
+        lens: &Lens,
+        options: &Options,
+        leaves: &Leaves,
+        grids: &[Tessellation],
+        meshlets: &Meshlets,
+        routes: &Routes,
+        targets: &mut Targets,
+    ) -> Result<u64, RenderError> {
+        if matches!(routes, Routes::Software) {
+            return Ok(0);
+        }
+        let all = meshlets.meshlets.iter().enumerate();
+        let drawn = all.filter(|(_, m)| !m.tested && routes.takes(m.leaf)).map(|(k, _)| k as u32);
+        let numbers: Vec<u32> = drawn.collect();
+        let staged = self.staged_of(lens, options, leaves, grids, meshlets);
+        let vertex = |v: &Vertex| abi::Vertex { x: v.x, y: v.y, depth: v.depth, weight: v.weight };
+        let vertices: Vec<abi::Vertex> = meshlets.vertices.par_iter().map(vertex).collect();
+        let rasterizer = match &mut self.hardware {
+            Some(rasterizer) => rasterizer,
+            none => none.insert(Rasterizer::new(Device::new(Validation::Off, None)?)?),
+        };
+        let input = Input {
+            size: lens.size,
+            fill: options.fill,
+            patches: &staged.patches,
+            leaves: &staged.leaves,
+            meshlets: &staged.meshlets,
+            vertices: &vertices,
+            numbers: &numbers,
+        };
+        rasterizer.draw(&input, |near, spare| merge(lens.size[0] as usize * BAND, near, spare, targets))?;
+        let triangles = |&k: &u32| 2 * meshlets.meshlets[k as usize].quads.map(u64::from).iter().product::<u64>();
+        Ok(numbers.iter().map(triangles).sum())
+    }
+}
+
+/// The larger word stays in both buffers. `band`: pixels of one.
+fn merge(band: usize, near: &[u64], spare: &[u64], targets: &mut Targets) {
+    let bands = targets.near.par_chunks_mut(band).zip(targets.spare.par_chunks_mut(band));
+    let bands = bands.zip(targets.touched.par_iter_mut());
+    bands.zip(near.par_chunks(band).zip(spare.par_chunks(band))).for_each(|(((n, s), touched), (near, spare))| {
+        n.iter_mut().zip(near).for_each(|(word, &other)| *word = (*word).max(other));
+        for (k, (word, &other)) in s.iter_mut().zip(spare).enumerate().filter(|(_, (_, other))| **other != 0) {
+            if *word == 0 {
+                touched.push(k as u32);
+            }
+            *word = (*word).max(other);
+        }
+    });
+}

@@ -1,0 +1,255 @@
+//! What a device must have, and what is missing where it can't be used.
+
+use super::{Instance, Validation, VulkanError};
+use ash::{ext, khr, vk};
+use serde::Serialize;
+use std::ffi::CStr;
+use std::fmt;
+use std::sync::Arc;
+
+/// A Vulkan device that is there.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Found {
+    pub name: String,
+    /// The driver's own words.
+    pub driver: String,
+    /// As CUDA writes it: a device of both has the same.
+    pub uuid: String,
+    /// "discrete", "integrated", "virtual", "cpu" or "other".
+    pub kind: &'static str,
+    /// What meshlets need and it lacks; empty: it can be used.
+    pub missing: Vec<String>,
+    /// What it lacks that only makes frames slower.
+    pub absent: Vec<String>,
+}
+
+/// A device that draws meshlets, with a queue.
+pub struct Device {
+    pub(super) raw: ash::Device,
+    pub(super) mesh: ext::mesh_shader::Device,
+    pub(super) queue: vk::Queue,
+    pub(super) family: u32,
+    pub(super) memory: vk::PhysicalDeviceMemoryProperties,
+    /// Half the side of the viewport in pixels, a power of two.
+    pub(super) half_viewport: u32,
+    /// Pixels a side of what can be drawn.
+    pub(super) largest: u32,
+    pub found: Found,
+    instance: Arc<Instance>,
+}
+
+/// What is asked of a device beyond 1.3.
+const EXTENSIONS: [&CStr; 1] = [ext::mesh_shader::NAME];
+/// Sides of the viewport beyond which nothing is asked for.
+const LARGEST_VIEWPORT: u32 = 1 << 14;
+
+/// All Vulkan devices of this machine.
+pub fn devices() -> Result<Vec<Found>, VulkanError> {
+    let instance = Instance::new(Validation::Off)?;
+    Ok(physical(&instance)?.into_iter().map(|device| look(&instance, device)).collect())
+}
+
+fn physical(instance: &Instance) -> Result<Vec<vk::PhysicalDevice>, VulkanError> {
+    // SAFETY: the instance is alive.
+    let found = unsafe { instance.raw.enumerate_physical_devices() };
+    match found {
+        Err(vk::Result::ERROR_INITIALIZATION_FAILED) => Err(VulkanError::NoDevice),
+        other => other.map_err(VulkanError::of("vkEnumeratePhysicalDevices")),
+    }
+}
+
+/// The features that are used, as one chain.
+#[derive(Default)]
+struct Features {
+    core: vk::PhysicalDeviceFeatures,
+    v11: vk::PhysicalDeviceVulkan11Features<'static>,
+    v12: vk::PhysicalDeviceVulkan12Features<'static>,
+    v13: vk::PhysicalDeviceVulkan13Features<'static>,
+    mesh: vk::PhysicalDeviceMeshShaderFeaturesEXT<'static>,
+}
+
+impl Features {
+    fn of(instance: &Instance, device: vk::PhysicalDevice) -> Self {
+        let mut all = Self::default();
+        let mut features = vk::PhysicalDeviceFeatures2::default()
+            .push_next(&mut all.v11)
+            .push_next(&mut all.v12)
+            .push_next(&mut all.v13)
+            .push_next(&mut all.mesh);
+        // SAFETY: every structure of the chain is alive and is one that a device of 1.3 with the extension knows.
+        unsafe { instance.raw.get_physical_device_features2(device, &mut features) };
+        all.core = features.features;
+        all
+    }
+
+    /// Exactly what is used.
+    fn wanted() -> Self {
+        let core = vk::PhysicalDeviceFeatures::default()
+            .fragment_stores_and_atomics(true)
+            .shader_int64(true)
+            .shader_float64(true)
+            .shader_int16(true);
+        let v11 = vk::PhysicalDeviceVulkan11Features::default().storage_buffer16_bit_access(true);
+        let v12 = vk::PhysicalDeviceVulkan12Features::default()
+            .buffer_device_address(true)
+            .scalar_block_layout(true)
+            .shader_int8(true)
+            .storage_buffer8_bit_access(true)
+            .shader_buffer_int64_atomics(true);
+        let v13 = vk::PhysicalDeviceVulkan13Features::default()
+            .dynamic_rendering(true)
+            .synchronization2(true)
+            .maintenance4(true);
+        let mesh = vk::PhysicalDeviceMeshShaderFeaturesEXT::default().mesh_shader(true);
+        Self { core, v11, v12, v13, mesh }
+    }
+
+    /// By name, in one order.
+    fn named(&self) -> [(&'static str, vk::Bool32); 13] {
+        [
+            ("fragmentStoresAndAtomics", self.core.fragment_stores_and_atomics),
+            ("shaderInt64", self.core.shader_int64),
+            ("shaderFloat64", self.core.shader_float64),
+            ("shaderInt16", self.core.shader_int16),
+            ("storageBuffer16BitAccess", self.v11.storage_buffer16_bit_access),
+            ("bufferDeviceAddress", self.v12.buffer_device_address),
+            ("scalarBlockLayout", self.v12.scalar_block_layout),
+            ("shaderInt8", self.v12.shader_int8),
+            ("storageBuffer8BitAccess", self.v12.storage_buffer8_bit_access),
+            ("shaderBufferInt64Atomics", self.v12.shader_buffer_int64_atomics),
+            ("dynamicRendering", self.v13.dynamic_rendering),
+            ("maintenance4", self.v13.maintenance4),
+            ("meshShader", self.mesh.mesh_shader),
+        ]
+    }
+}
+
+fn look(instance: &Instance, device: vk::PhysicalDevice) -> Found {
+    let mut id = vk::PhysicalDeviceIDProperties::default();
+    let mut driver = vk::PhysicalDeviceDriverProperties::default();
+    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut id).push_next(&mut driver);
+    // SAFETY: the chain is alive; a loader of 1.3 accepts it.
+    unsafe { instance.raw.get_physical_device_properties2(device, &mut properties) };
+    let core = properties.properties;
+    let text = |bytes: Result<&CStr, std::ffi::FromBytesUntilNulError>| {
+        bytes.map(|t| t.to_string_lossy().into_owned()).unwrap_or_default()
+    };
+    let hex = |bytes: &[u8]| bytes.iter().map(|b| format!("{b:02x}")).collect::<String>();
+    let u = &id.device_uuid;
+    let uuid = [&u[..4], &u[4..6], &u[6..8], &u[8..10], &u[10..]].map(hex).join("-");
+    let kind = match core.device_type {
+        vk::PhysicalDeviceType::DISCRETE_GPU => "discrete",
+        vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated",
+        vk::PhysicalDeviceType::VIRTUAL_GPU => "virtual",
+        vk::PhysicalDeviceType::CPU => "cpu",
+        _ => "other",
+    };
+    // SAFETY: the device is the instance's.
+    let extensions = unsafe { instance.raw.enumerate_device_extension_properties(device) }.unwrap_or_default();
+    let has = |name: &CStr| extensions.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
+    let mut missing: Vec<String> = Vec::new();
+    if core.api_version < vk::API_VERSION_1_3 {
+        let (major, minor) = (vk::api_version_major(core.api_version), vk::api_version_minor(core.api_version));
+        missing.push(format!("Vulkan 1.3 (it has {major}.{minor})"));
+    }
+    missing.extend(EXTENSIONS.iter().filter(|name| !has(name)).map(|name| name.to_string_lossy().into_owned()));
+    if missing.is_empty() {
+        let there = Features::of(instance, device).named();
+        missing.extend(there.into_iter().filter(|(_, value)| *value == vk::FALSE).map(|(name, _)| name.to_owned()));
+        if core.limits.sub_pixel_precision_bits < 8 {
+            missing.push(format!("8 bits of sub-pixels (it has {})", core.limits.sub_pixel_precision_bits));
+        }
+        if family(instance, device).is_none() {
+            missing.push("a graphics queue".into());
+        }
+    }
+    let optional = [
+        (khr::external_memory_fd::NAME, "memory is copied to and from CUDA"),
+        (khr::external_semaphore_fd::NAME, "the host waits between CUDA and Vulkan"),
+        (ext::conservative_rasterization::NAME, "shaders widen triangles themselves"),
+    ];
+    let absent = optional.into_iter().filter(|(name, _)| !has(name));
+    let absent = absent.map(|(name, so)| format!("no {}: {so}", name.to_string_lossy())).collect();
+    Found {
+        name: text(core.device_name_as_c_str()),
+        driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
+        uuid,
+        kind,
+        missing,
+        absent,
+    }
+}
+
+/// A family of queues that draw.
+fn family(instance: &Instance, device: vk::PhysicalDevice) -> Option<u32> {
+    // SAFETY: the device is the instance's.
+    let families = unsafe { instance.raw.get_physical_device_queue_family_properties(device) };
+    families.iter().position(|f| f.queue_flags.contains(vk::QueueFlags::GRAPHICS)).map(|k| k as u32)
+}
+
+impl Device {
+    /// The first device that can draw meshlets; hardware before what runs on the CPU. `uuid`: that one alone.
+    pub fn new(validation: Validation, uuid: Option<&str>) -> Result<Arc<Self>, VulkanError> {
+        let instance = Instance::new(validation)?;
+        let mut all: Vec<(Found, vk::PhysicalDevice)> =
+            physical(&instance)?.into_iter().map(|device| (look(&instance, device), device)).collect();
+        all.retain(|(found, _)| uuid.is_none_or(|uuid| found.uuid == uuid));
+        let rank = |kind: &str| ["discrete", "integrated", "virtual", "other"].iter().position(|k| *k == kind);
+        all.sort_by_key(|(found, _)| (!found.missing.is_empty(), rank(found.kind).unwrap_or(usize::MAX)));
+        let Some((found, physical)) = all.into_iter().next() else { return Err(VulkanError::NoDevice) };
+        if !found.missing.is_empty() {
+            return Err(VulkanError::Unfit { device: found.name, missing: found.missing });
+        }
+        Self::open(instance, physical, found)
+    }
+
+    fn open(instance: Arc<Instance>, physical: vk::PhysicalDevice, found: Found) -> Result<Arc<Self>, VulkanError> {
+        let family = family(&instance, physical).ok_or(VulkanError::NoDevice)?;
+        let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
+        let names = EXTENSIONS.map(CStr::as_ptr);
+        let Features { core, mut v11, mut v12, mut v13, mut mesh } = Features::wanted();
+        let info = vk::DeviceCreateInfo::default()
+            .queue_create_infos(&queues)
+            .enabled_extension_names(&names)
+            .enabled_features(&core)
+            .push_next(&mut v11)
+            .push_next(&mut v12)
+            .push_next(&mut v13)
+            .push_next(&mut mesh);
+        // SAFETY: all that `info` points to lives until the call returns; `look` has seen that all of it is there.
+        let raw = unsafe { instance.raw.create_device(physical, &info, None) };
+        let raw = raw.map_err(VulkanError::of("vkCreateDevice"))?;
+        // SAFETY: one queue of this family was asked for; the device is the instance's.
+        let (queue, memory, limits) = unsafe {
+            let queue = raw.get_device_queue(family, 0);
+            let memory = instance.raw.get_physical_device_memory_properties(physical);
+            (queue, memory, instance.raw.get_physical_device_properties(physical).limits)
+        };
+        let mesh = ext::mesh_shader::Device::new(&instance.raw, &raw);
+        let [width, height] = limits.max_viewport_dimensions;
+        let viewport = 1 << width.min(height).min(LARGEST_VIEWPORT).ilog2();
+        let largest = limits.max_framebuffer_width.min(limits.max_framebuffer_height).min(viewport);
+        Ok(Arc::new(Self { raw, mesh, queue, family, memory, half_viewport: viewport / 2, largest, found, instance }))
+    }
+
+    /// What validation layers have said so far.
+    pub fn messages(&self) -> Vec<String> {
+        self.instance.messages()
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        // SAFETY: what was made of the device holds an `Arc` of this: nothing is left, and nothing runs once the wait returns.
+        unsafe {
+            let _ = self.raw.device_wait_idle();
+            self.raw.destroy_device(None);
+        }
+    }
+}
+
+impl fmt::Debug for Device {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Device").field(&self.found.name).finish()
+    }
+}

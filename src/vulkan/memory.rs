@@ -1,0 +1,155 @@
+//! Buffers with addresses: what shaders read and write is named by push constants alone.
+
+use super::{Device, VulkanError};
+use crate::cuda::Pod;
+use ash::vk;
+use std::sync::Arc;
+
+/// Who uses a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Use {
+    /// Written by the host, read by shaders.
+    Upload,
+    /// Shaders alone.
+    Shaders,
+    /// Copied to by the device, read by the host.
+    Download,
+}
+
+/// A buffer with memory of its own.
+pub(super) struct Buffer {
+    device: Arc<Device>,
+    pub raw: vk::Buffer,
+    memory: vk::DeviceMemory,
+    /// For shaders.
+    pub address: u64,
+    /// Of the buffer, where the host sees it.
+    mapped: Option<*mut u8>,
+    bytes: u64,
+}
+
+// SAFETY: the pointer is the buffer's own mapping, which no other thread knows; it is written through `&mut self` alone.
+unsafe impl Send for Buffer {}
+// SAFETY: as above; `&self` only reads it.
+unsafe impl Sync for Buffer {}
+
+impl Buffer {
+    pub fn new(device: &Arc<Device>, bytes: u64, used: Use) -> Result<Self, VulkanError> {
+        let usage = match used {
+            Use::Upload => vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS,
+            Use::Shaders => {
+                vk::BufferUsageFlags::STORAGE_BUFFER
+                    | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
+                    | vk::BufferUsageFlags::TRANSFER_SRC
+                    | vk::BufferUsageFlags::TRANSFER_DST
+            }
+            Use::Download => vk::BufferUsageFlags::TRANSFER_DST,
+        };
+        let info = vk::BufferCreateInfo::default().size(bytes.max(16)).usage(usage);
+        // SAFETY: `info` is valid and the device is alive.
+        let raw = unsafe { device.raw.create_buffer(&info, None) }.map_err(VulkanError::of("vkCreateBuffer"))?;
+        let mut buffer = Self {
+            device: device.clone(),
+            raw,
+            memory: vk::DeviceMemory::null(),
+            address: 0,
+            mapped: None,
+            bytes: bytes.max(16),
+        };
+        buffer.allocate(used)?;
+        Ok(buffer)
+    }
+
+    fn allocate(&mut self, used: Use) -> Result<(), VulkanError> {
+        let raw = &self.device.raw;
+        // SAFETY: the buffer is the device's.
+        let needs = unsafe { raw.get_buffer_memory_requirements(self.raw) };
+        let mut flags = vk::MemoryAllocateFlagsInfo::default().flags(vk::MemoryAllocateFlags::DEVICE_ADDRESS);
+        let mut info = vk::MemoryAllocateInfo::default().allocation_size(needs.size);
+        info = info.memory_type_index(memory_type(&self.device.memory, needs.memory_type_bits, used));
+        if used != Use::Download {
+            info = info.push_next(&mut flags);
+        }
+        let bytes = needs.size;
+        let failed = |code| match code {
+            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
+                VulkanError::OutOfMemory { what: "vkAllocateMemory", bytes }
+            }
+            code => VulkanError::of("vkAllocateMemory")(code),
+        };
+        // SAFETY: `info` names a memory type of this device. The memory is bound to the buffer it was made for, mapped as a
+        // whole, once, where the host sees it, and freed after the buffer.
+        unsafe {
+            self.memory = raw.allocate_memory(&info, None).map_err(failed)?;
+            raw.bind_buffer_memory(self.raw, self.memory, 0).map_err(VulkanError::of("vkBindBufferMemory"))?;
+            if used != Use::Download {
+                let info = vk::BufferDeviceAddressInfo::default().buffer(self.raw);
+                self.address = raw.get_buffer_device_address(&info);
+            }
+            if used != Use::Shaders {
+                let all = vk::MemoryMapFlags::empty();
+                let mapped = raw.map_memory(self.memory, 0, vk::WHOLE_SIZE, all);
+                self.mapped = Some(mapped.map_err(VulkanError::of("vkMapMemory"))?.cast());
+            }
+        }
+        Ok(())
+    }
+
+    /// Bytes it has room for.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Writes values from the beginning on.
+    pub fn write<T: Pod>(&mut self, values: impl ExactSizeIterator<Item = T>) {
+        let Some(mapped) = self.mapped else { return };
+        assert!((values.len() * size_of::<T>()) as u64 <= self.bytes);
+        let mut at = mapped.cast::<T>();
+        let mut room = values.len();
+        for value in values {
+            assert!(room > 0, "an iterator of exact size");
+            room -= 1;
+            // SAFETY: `room` says that the place is within the mapping, which Vulkan aligns to 64 bytes at least.
+            unsafe {
+                at.write(value);
+                at = at.add(1);
+            }
+        }
+    }
+
+    /// The first values.
+    pub fn read<T: Pod>(&self, count: usize) -> &[T] {
+        assert!((count * size_of::<T>()) as u64 <= self.bytes);
+        // SAFETY: the host's own memory is coherent, as large as that, aligned to 64 bytes, and any bytes are a value.
+        self.mapped.map_or(&[], |mapped| unsafe { std::slice::from_raw_parts(mapped.cast(), count) })
+    }
+}
+
+impl Drop for Buffer {
+    fn drop(&mut self) {
+        // SAFETY: the device is done with both: `Rasterizer` waits for all that it has asked for.
+        unsafe {
+            self.device.raw.destroy_buffer(self.raw, None);
+            self.device.raw.free_memory(self.memory, None);
+        }
+    }
+}
+
+/// The best type of memory among those allowed. Vulkan promises one that the host sees, coherently.
+fn memory_type(memory: &vk::PhysicalDeviceMemoryProperties, allowed: u32, used: Use) -> u32 {
+    use vk::MemoryPropertyFlags as Flags;
+    let host = Flags::HOST_VISIBLE | Flags::HOST_COHERENT;
+    let (best, enough) = match used {
+        Use::Upload => (host | Flags::DEVICE_LOCAL, host),
+        Use::Shaders => (Flags::DEVICE_LOCAL, Flags::empty()),
+        Use::Download => (host | Flags::HOST_CACHED, host),
+    };
+    let first = |wish: Flags, least: u64| {
+        memory.memory_types_as_slice().iter().enumerate().position(|(k, t)| {
+            let heap = memory.memory_heaps[t.heap_index as usize].size;
+            allowed >> k & 1 == 1 && t.property_flags.contains(wish) && heap >= least
+        })
+    };
+    // A small window of device memory that the host sees is left to others.
+    first(best, 1 << 30).or_else(|| first(enough, 0)).unwrap_or(0) as u32
+}

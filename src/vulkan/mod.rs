@@ -1,0 +1,76 @@
+//! The hardware's rasteriser: Vulkan mesh shaders that draw the frame's meshlets into the same visibility words (DESIGN
+//! sections 1 and 4; ETER section 6.2).
+//!
+//! What fixed-function hardware makes of triangles is only a proposal here: a fragment shader computes the exact edge functions
+//! and the depth of each fragment in the arithmetic of `stages/rasterize.rs`, so that words are the same bit for bit, whatever
+//! device draws them. Parameters are nobody's business before `shade`: no weight has to be in W, and all bounds go alike.
+//!
+//! | file | what it has |
+//! |---|---|
+//! | `instance.rs` | the loader, and what validation layers say |
+//! | `device.rs` | what a device must have, and what is missing where it can't be used |
+//! | `memory.rs` | buffers with addresses |
+//! | `pipeline.rs` | mesh pipelines of `vk_shaders/` |
+//! | `rasterize.rs` | a frame's meshlets into its two buffers of words |
+
+// Foreign code is called in all of these files.
+#![allow(unsafe_code)]
+
+mod device;
+mod instance;
+mod memory;
+mod pipeline;
+mod rasterize;
+
+pub use device::{Device, Found, devices};
+pub use instance::{Instance, Validation};
+pub use rasterize::{Input, Rasterizer};
+
+use ash::vk;
+use thiserror::Error;
+
+/// Why Vulkan can't be used, or no longer.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum VulkanError {
+    #[error("no Vulkan loader (libvulkan.so.1): install libvulkan1 and a driver ({reason})")]
+    NoLoader { reason: String },
+    #[error("no Vulkan driver is installed that works here (VK_DRIVER_FILES may name a wrong one): {code}")]
+    NoDriver { code: vk::Result },
+    #[error("no Vulkan device is there")]
+    NoDevice,
+    #[error("{device} can't draw meshlets, it lacks {}", missing.join(", "))]
+    Unfit { device: String, missing: Vec<String> },
+    #[error("the Vulkan validation layers are not installed (vulkan-validationlayers)")]
+    NoValidation,
+    #[error("{what}: the Vulkan device has no memory left for {bytes} bytes")]
+    OutOfMemory { what: &'static str, bytes: u64 },
+    #[error("{what}: the Vulkan device was lost")]
+    Lost { what: &'static str },
+    #[error("{what}: {code}")]
+    Call { what: &'static str, code: vk::Result },
+    #[error("images of {width} x {height} pixels are more than the {limit} a side that {device} can draw")]
+    ImageTooLarge { width: u32, height: u32, limit: u32, device: String },
+}
+
+impl VulkanError {
+    /// Of a failed call.
+    fn of(what: &'static str) -> impl Fn(vk::Result) -> Self {
+        move |code| match code {
+            vk::Result::ERROR_DEVICE_LOST => Self::Lost { what },
+            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
+                Self::OutOfMemory { what, bytes: 0 }
+            }
+            _ => Self::Call { what, code },
+        }
+    }
+}
+
+/// Why no frame can be rasterised by hardware here; empty where one can.
+pub fn missing() -> Vec<VulkanError> {
+    match devices() {
+        Err(error) => vec![error],
+        Ok(found) if found.is_empty() => vec![VulkanError::NoDevice],
+        Ok(found) if found.iter().any(|d| d.missing.is_empty()) => Vec::new(),
+        Ok(found) => found.into_iter().map(|d| VulkanError::Unfit { device: d.name, missing: d.missing }).collect(),
+    }
+}

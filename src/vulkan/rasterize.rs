@@ -1,0 +1,301 @@
+//! rasterize: a frame's meshlets by mesh shaders, into its two buffers of visibility words.
+
+use super::memory::{Buffer, Use};
+use super::pipeline::{Kind, PUSH_BYTES, Pipelines, Push};
+use super::{Device, VulkanError};
+use crate::cuda::{Pod, abi};
+use crate::stages::Fill;
+use ash::vk;
+use std::sync::Arc;
+
+/// Workgroups along one axis of a draw, and in all of it: what every device can do.
+const MOST_GROUPS: u32 = 65535;
+const MOST_IN_ALL: u32 = 1 << 22;
+/// Items of a meshlet that one workgroup looks at.
+const ITEMS: u32 = 32;
+/// Two minutes: a driver's own watchdog comes sooner.
+const TIMEOUT: u64 = 120_000_000_000;
+
+/// What is drawn. Lists are those of `kernels/abi.h`.
+#[derive(Clone, Copy, Debug)]
+pub struct Input<'a> {
+    pub size: [u32; 2],
+    pub fill: Fill,
+    pub patches: &'a [abi::Patch],
+    pub leaves: &'a [abi::Leaf],
+    pub meshlets: &'a [abi::Meshlet],
+    pub vertices: &'a [abi::Vertex],
+    /// The meshlets that are drawn; none of them twice.
+    pub numbers: &'a [u32],
+}
+
+/// Draws meshlets; keeps its buffers from frame to frame.
+pub struct Rasterizer {
+    // Before `device`: fields are dropped in order, and buffers and pipelines hold the device themselves.
+    buffers: Buffers,
+    pipelines: Pipelines,
+    pool: vk::CommandPool,
+    commands: vk::CommandBuffer,
+    done: vk::Fence,
+    device: Arc<Device>,
+}
+
+#[derive(Default)]
+struct Buffers {
+    patches: Option<Buffer>,
+    leaves: Option<Buffer>,
+    meshlets: Option<Buffer>,
+    vertices: Option<Buffer>,
+    numbers: Option<Buffer>,
+    near: Option<Buffer>,
+    spare: Option<Buffer>,
+    words: [Option<Buffer>; 2],
+}
+
+/// What one frame is drawn with.
+struct Frame<'a> {
+    input: Input<'a>,
+    push: Push,
+    /// Meshlets drawn, and behind them in the list those that reach beyond the viewport.
+    near: u32,
+    far: u32,
+    words: [(vk::Buffer, vk::Buffer); 2],
+}
+
+impl Rasterizer {
+    pub fn new(device: Arc<Device>) -> Result<Self, VulkanError> {
+        let pipelines = Pipelines::new(&device)?;
+        let info = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(device.family)
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
+        // SAFETY: the family is the queue's.
+        let pool = unsafe { device.raw.create_command_pool(&info, None) };
+        let pool = pool.map_err(VulkanError::of("vkCreateCommandPool"))?;
+        let mut made = Self {
+            buffers: Buffers::default(),
+            pipelines,
+            pool,
+            commands: vk::CommandBuffer::null(),
+            done: vk::Fence::null(),
+            device,
+        };
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+        // SAFETY: the pool was made above and lives as long as what is made here.
+        unsafe {
+            let all = made.device.raw.allocate_command_buffers(&info);
+            made.commands = all.map_err(VulkanError::of("vkAllocateCommandBuffers"))?[0];
+            let fence = made.device.raw.create_fence(&vk::FenceCreateInfo::default(), None);
+            made.done = fence.map_err(VulkanError::of("vkCreateFence"))?;
+        }
+        Ok(made)
+    }
+
+    pub fn device(&self) -> &Device {
+        &self.device
+    }
+
+    /// Draws meshlets into buffers of their own and hands each pixel's words, centre-covered and spare, to `found` as two
+    /// lists, row by row. 0: nothing.
+    pub fn draw(&mut self, input: &Input, found: impl FnOnce(&[u64], &[u64])) -> Result<(), VulkanError> {
+        let [width, height] = input.size;
+        if width.max(height) > self.device.largest {
+            let (limit, device) = (self.device.largest, self.device.found.name.clone());
+            return Err(VulkanError::ImageTooLarge { width, height, limit, device });
+        }
+        let frame = self.upload(input)?;
+        self.record(&frame)?;
+        self.run()?;
+        let pixels = width as usize * height as usize;
+        let [near, spare] = &self.buffers.words;
+        let words =
+            |buffer: &Option<Buffer>| buffer.as_ref().map_or(&[][..], |b| b.read::<u64>(pixels)) as *const [u64];
+        let (near, spare) = (words(near), words(spare));
+        // SAFETY: the slices are the buffers' own, which nothing touches before `found` returns.
+        unsafe { found(&*near, &*spare) };
+        Ok(())
+    }
+
+    fn upload<'a>(&mut self, input: &Input<'a>) -> Result<Frame<'a>, VulkanError> {
+        let Self { device, buffers, .. } = self;
+        let middle = input.size.map(|n| n as i32 / 2);
+        let mut push = Push { size: input.size, middle, half_viewport: device.half_viewport as i32, ..Push::default() };
+        let far = |number: &u32| is_far(input, *number, &push);
+        let numbers: Vec<u32> =
+            input.numbers.iter().copied().chain(input.numbers.iter().copied().filter(far)).collect();
+        push.patches = filled(device, &mut buffers.patches, input.patches)?;
+        push.leaves = filled(device, &mut buffers.leaves, input.leaves)?;
+        push.meshlets = filled(device, &mut buffers.meshlets, input.meshlets)?;
+        push.vertices = filled(device, &mut buffers.vertices, input.vertices)?;
+        push.numbers = filled(device, &mut buffers.numbers, &numbers)?;
+        push.all = input.meshlets.len() as u32;
+        let bytes = u64::from(input.size[0]) * u64::from(input.size[1]) * size_of::<u64>() as u64;
+        let near = room(device, &mut buffers.near, bytes, Use::Shaders)?;
+        let spare = room(device, &mut buffers.spare, bytes, Use::Shaders)?;
+        (push.near, push.spare) = (near.address, spare.address);
+        let [near_words, spare_words] = &mut buffers.words;
+        let words = [
+            (near.raw, room(device, near_words, bytes, Use::Download)?.raw),
+            (spare.raw, room(device, spare_words, bytes, Use::Download)?.raw),
+        ];
+        let near = input.numbers.len() as u32;
+        Ok(Frame { input: *input, push, near, far: numbers.len() as u32 - near, words })
+    }
+
+    fn record(&self, frame: &Frame) -> Result<(), VulkanError> {
+        let (raw, commands) = (&self.device.raw, self.commands);
+        let once = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the last frame is done, so the commands may be written anew; the buffers live until the next `upload`, which
+        // comes after this frame.
+        unsafe {
+            raw.begin_command_buffer(commands, &once).map_err(VulkanError::of("vkBeginCommandBuffer"))?;
+            for (words, _) in frame.words {
+                raw.cmd_fill_buffer(commands, words, 0, vk::WHOLE_SIZE, 0);
+            }
+        }
+        self.barrier(vk::PipelineStageFlags2::CLEAR, vk::PipelineStageFlags2::FRAGMENT_SHADER);
+        self.pass(frame, &[(Kind::Triangles, 1), (Kind::Far, 98u32.div_ceil(ITEMS))]);
+        self.barrier(vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::PipelineStageFlags2::FRAGMENT_SHADER);
+        match frame.input.fill {
+            Fill::Off => {}
+            Fill::Stroke => self.pass(
+                frame,
+                &[(Kind::Borders, 1), (Kind::Folds, 147u32.div_ceil(ITEMS)), (Kind::TurnedAway, 98u32.div_ceil(ITEMS))],
+            ),
+            Fill::Eter | Fill::Conservative => self.pass(frame, &[(Kind::Conservative, 98u32.div_ceil(ITEMS))]),
+        }
+        self.barrier(vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::PipelineStageFlags2::COPY);
+        let [width, height] = frame.input.size.map(u64::from);
+        let all = [vk::BufferCopy::default().size(width * height * size_of::<u64>() as u64)];
+        // SAFETY: as above; both buffers have that room.
+        unsafe {
+            for (from, to) in frame.words {
+                raw.cmd_copy_buffer(commands, from, to, &all);
+            }
+        }
+        self.barrier(vk::PipelineStageFlags2::COPY, vk::PipelineStageFlags2::HOST);
+        // SAFETY: the commands were begun above.
+        unsafe { raw.end_command_buffer(commands) }.map_err(VulkanError::of("vkEndCommandBuffer"))
+    }
+
+    /// All that is drawn before anybody looks at it, with the workgroups that a meshlet gets.
+    fn pass(&self, frame: &Frame, kinds: &[(Kind, u32)]) {
+        let (raw, commands, [width, height]) = (&self.device.raw, self.commands, frame.input.size);
+        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
+        let rendering = vk::RenderingInfo::default().render_area(area).layer_count(1);
+        let Push { middle, half_viewport, .. } = frame.push;
+        let half = half_viewport as f32;
+        let viewport = vk::Viewport {
+            x: middle[0] as f32 - half,
+            y: middle[1] as f32 - half,
+            width: 2.0 * half,
+            height: 2.0 * half,
+            min_depth: 0.0,
+            max_depth: 1.0,
+        };
+        // SAFETY: commands are being recorded; the pipelines and all that shaders are told of live until they have run.
+        unsafe {
+            raw.cmd_begin_rendering(commands, &rendering);
+            raw.cmd_set_viewport(commands, 0, &[viewport]);
+            raw.cmd_set_scissor(commands, 0, &[area]);
+        }
+        for &(kind, groups) in kinds {
+            let (first, count) = if kind == Kind::Far { (frame.near, frame.far) } else { (0, frame.near) };
+            self.meshlets(kind, groups, first, count, &frame.push);
+        }
+        // SAFETY: as above.
+        unsafe { raw.cmd_end_rendering(commands) };
+    }
+
+    /// One kind of a list's meshlets, in as many draws as it takes.
+    fn meshlets(&self, kind: Kind, groups: u32, first: u32, count: u32, push: &Push) {
+        let (raw, commands) = (&self.device.raw, self.commands);
+        let stages = vk::ShaderStageFlags::MESH_EXT | vk::ShaderStageFlags::FRAGMENT;
+        let most = MOST_IN_ALL / groups / MOST_GROUPS * MOST_GROUPS;
+        let end = first + count;
+        // SAFETY: as in `pass`.
+        unsafe { raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, self.pipelines.of(kind)) };
+        for first in (first..end).step_by(most as usize) {
+            let count = most.min(end - first);
+            let push = Push { first, count: first + count, ..*push };
+            // SAFETY: as in `pass`. `Push` is numbers without padding, of the size that the layout has.
+            unsafe {
+                let bytes = std::slice::from_raw_parts((&raw const push).cast::<u8>(), PUSH_BYTES as usize);
+                raw.cmd_push_constants(commands, self.pipelines.layout, stages, 0, bytes);
+                let rows = count.div_ceil(MOST_GROUPS);
+                self.device.mesh.cmd_draw_mesh_tasks(commands, count.min(MOST_GROUPS), rows, groups);
+            }
+        }
+    }
+
+    /// What comes after sees what was written before.
+    fn barrier(&self, before: vk::PipelineStageFlags2, after: vk::PipelineStageFlags2) {
+        let barriers = [vk::MemoryBarrier2::default()
+            .src_stage_mask(before)
+            .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+            .dst_stage_mask(after)
+            .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
+        let info = vk::DependencyInfo::default().memory_barriers(&barriers);
+        // SAFETY: commands are being recorded, outside of rendering.
+        unsafe { self.device.raw.cmd_pipeline_barrier2(self.commands, &info) };
+    }
+
+    /// Runs what was recorded, to its end.
+    fn run(&self) -> Result<(), VulkanError> {
+        let (raw, all) = (&self.device.raw, [self.commands]);
+        let submits = [vk::SubmitInfo::default().command_buffers(&all)];
+        // SAFETY: the commands are recorded, the fence is not signalled, and nobody else uses the queue.
+        unsafe {
+            raw.queue_submit(self.device.queue, &submits, self.done).map_err(VulkanError::of("vkQueueSubmit"))?;
+            raw.wait_for_fences(&[self.done], true, TIMEOUT).map_err(VulkanError::of("drawing meshlets"))?;
+            raw.reset_fences(&[self.done]).map_err(VulkanError::of("vkResetFences"))
+        }
+    }
+}
+
+impl Drop for Rasterizer {
+    fn drop(&mut self) {
+        // SAFETY: nothing runs once the wait returns; all three are this rasteriser's own.
+        unsafe {
+            let _ = self.device.raw.device_wait_idle();
+            self.device.raw.destroy_fence(self.done, None);
+            self.device.raw.destroy_command_pool(self.pool, None);
+        }
+    }
+}
+
+impl std::fmt::Debug for Rasterizer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("Rasterizer").field(&self.device).finish()
+    }
+}
+
+/// Some vertex lies beyond the viewport: the same question as `is_far` of vk_shaders/geometry.glsl.
+fn is_far(input: &Input, number: u32, push: &Push) -> bool {
+    let meshlet = &input.meshlets[number as usize];
+    let count = (usize::from(meshlet.quads[0]) + 1) * (usize::from(meshlet.quads[1]) + 1);
+    let most = (push.half_viewport - 1) * abi::SUBPIXELS;
+    let off = |place: i32, axis: usize| (place - push.middle[axis] * abi::SUBPIXELS).abs() > most;
+    input.vertices[meshlet.vertices as usize..][..count].iter().any(|v| off(v.x, 0) || off(v.y, 1))
+}
+
+/// A buffer with room for so many bytes: the last frame's, or a new one that is half as large again.
+fn room<'a>(
+    device: &Arc<Device>,
+    kept: &'a mut Option<Buffer>,
+    bytes: u64,
+    used: Use,
+) -> Result<&'a mut Buffer, VulkanError> {
+    if kept.as_ref().is_none_or(|b| b.bytes() < bytes) {
+        let more = if kept.is_some() { bytes + bytes / 2 } else { bytes };
+        *kept = None;
+        *kept = Some(Buffer::new(device, more, used)?);
+    }
+    Ok(kept.as_mut().expect("it was made above"))
+}
+
+/// The same with values; their address.
+fn filled<T: Pod>(device: &Arc<Device>, kept: &mut Option<Buffer>, values: &[T]) -> Result<u64, VulkanError> {
+    let buffer = room(device, kept, size_of_val(values) as u64, Use::Upload)?;
+    buffer.write(values.iter().copied());
+    Ok(buffer.address)
+}

@@ -1,0 +1,99 @@
+//! Whole frames: `--raster hardware` and `hybrid` store the words that `software` stores.
+
+use crate::{assert_silent, rasterizer};
+use halfpixel::import;
+use halfpixel::scene::{Scene, ViewSpec, prepare};
+use halfpixel::stages::{Bound, Fill, Frame, Options, Raster, Renderer, Trim};
+use std::path::PathBuf;
+
+fn scene(name: &str) -> Scene {
+    prepare(&import::load(name).expect("a model"), &|_, _| {}).expect("a scene")
+}
+
+/// How many pixels two frames have different words or colours at.
+fn differences(a: &Frame, b: &Frame) -> usize {
+    let [width, height] = a.size();
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
+    pixels.filter(|&(x, y)| a.word(x, y) != b.word(x, y) || a.color(x, y) != b.color(x, y)).count()
+}
+
+/// Draws views of a scene with options both ways, by one rasteriser.
+fn agree(names: &[&str], views: &[ViewSpec], all: &[Options]) {
+    let Some(rasterizer) = rasterizer() else { return };
+    let mut kept = Some(rasterizer);
+    for name in names {
+        let scene = scene(name);
+        let mut renderer = Renderer::new(&scene);
+        renderer.set_rasterizer(kept.take().expect("it is handed on"));
+        for (view, options) in views.iter().flat_map(|v| all.iter().map(move |o| (v, o))) {
+            let camera = view.camera(&scene.bounds).expect("a camera");
+            let software = renderer.render(&camera, options).expect("a frame");
+            for raster in [Raster::Hardware, Raster::Hybrid] {
+                let frame = renderer.render(&camera, &Options { raster, ..*options }).expect("a frame");
+                assert_eq!(differences(&software, &frame), 0, "{name}, {view:?}, {raster:?}, {options:?}");
+                if raster == Raster::Hardware && frame.stats.trim.meshlets_boundary == 0 {
+                    assert_eq!(frame.stats.triangles_hardware, frame.stats.triangles, "{name}, {view:?}");
+                }
+            }
+        }
+        kept = renderer.take_rasterizer();
+    }
+    assert_silent(&kept.expect("it is handed on"));
+}
+
+fn zoomed(zooms: &[f64]) -> Vec<ViewSpec> {
+    let view = |&zoom| ViewSpec { size: [200, 150], zoom, ..ViewSpec::default() };
+    zooms.iter().map(view).collect()
+}
+
+#[test]
+fn words_are_those_of_software() {
+    let fills = [Fill::Stroke, Fill::Eter, Fill::Conservative, Fill::Off];
+    let options = fills.map(|fill| Options { fill, ..Options::default() });
+    agree(&["builtin:teapot", "builtin:drum", "builtin:stress"], &zoomed(&[1.0, 40.0]), &options);
+}
+
+#[test]
+fn all_bounds_go_alike() {
+    let options: Vec<Options> = [Bound::Eter, Bound::Filip, Bound::Projective]
+        .into_iter()
+        .map(|bound| Options { bound, refine: 0, tolerance: 0.3, ..Options::default() })
+        .collect();
+    let orthographic = ViewSpec { orthographic: true, ..zoomed(&[3.0])[0] };
+    agree(&["builtin:torus", "builtin:teapot"], &[zoomed(&[1.0])[0], orthographic], &options);
+}
+
+/// Patches that reach far beyond the viewport.
+#[test]
+fn what_is_close_is_the_same() {
+    let zooms = zoomed(&[2e3, 1e5, 1e7]);
+    agree(&["builtin:teapot", "builtin:drum", "builtin:sphere"], &zooms, &[Options::default()]);
+}
+
+#[test]
+fn trimmed_faces_are_the_same() {
+    let options = [Trim::On, Trim::Texture, Trim::Off].map(|trim| Options { trim, ..Options::default() });
+    let names =
+        ["builtin:trimmed:plate", "builtin:trimmed:drilled", "builtin:trimmed:ball", "builtin:trimmed:degree22"];
+    agree(&names, &zoomed(&[1.0, 30.0]), &options);
+}
+
+#[test]
+fn real_models_are_the_same() {
+    let folder = std::env::var_os("HALFPIXEL_MODELS").map_or_else(|| PathBuf::from("../shared/models"), PathBuf::from);
+    let names = ["killeroo.bpt", "screw.step", "gmsh_submarine.stp", "so100_Wrist_Roll_08c.step"];
+    let found: Vec<String> = names
+        .iter()
+        .map(|name| folder.join(name))
+        .filter(|path| {
+            let there = path.is_file();
+            if !there {
+                eprintln!("skipped: there is no {}", path.display());
+            }
+            there
+        })
+        .map(|path| path.to_string_lossy().into_owned())
+        .collect();
+    let found: Vec<&str> = found.iter().map(String::as_str).collect();
+    agree(&found, &zoomed(&[1.0, 8.0]), &[Options::default()]);
+}
