@@ -25,13 +25,32 @@ const GLSL: &str = "vk_shaders/abi.glsl";
 const TITLE: &str = "Made of kernels/abi.h by tests/shaders.rs: change that file, and read its comments there.";
 const FOLDER: &str = "vk_shaders";
 const STAGES: [&str; 8] = ["mesh", "task", "frag", "vert", "tesc", "tese", "comp", "geom"];
-/// The capability FragmentShadingRateKHR: glslang 12 declares it for every mesh shader, and few devices have it.
+/// The capability FragmentShadingRateKHR: glslang 12 declares it for mesh shaders that do not use it.
 const FRAGMENT_SHADING_RATE: u32 = 4422;
+/// The capability MeshShadingEXT.
+const MESH_SHADING: u32 = 5283;
+const TRIANGLE: &str = "#version 460
+#extension GL_EXT_mesh_shader : require
+layout(local_size_x = 1) in;
+layout(triangles, max_vertices = 3, max_primitives = 1) out;
+void main() {
+    SetMeshOutputsEXT(3, 1);
+    for (uint i = 0; i < 3; i++) gl_MeshVerticesEXT[i].gl_Position = vec4(i & 1, i >> 1, 0, 1);
+    gl_PrimitiveTriangleIndicesEXT[0] = uvec3(0, 1, 2);
+    gl_MeshPrimitivesEXT[0].gl_CullPrimitiveEXT = false;
+}
+";
 
 /// The structs are written before a shader that includes them is compiled.
 static ABI: LazyLock<()> = LazyLock::new(|| agrees(GLSL, &glsl::write(TITLE, &glsl::read(&text(HEADER)))));
 /// What the compiler makes of every shader, committed anew if that is asked for; nothing where there is no compiler.
-static COMPILED: LazyLock<Vec<(PathBuf, Result<Vec<u8>, String>)>> = LazyLock::new(compile_all);
+static COMPILED: LazyLock<Vec<Compiled>> = LazyLock::new(compile_all);
+
+struct Compiled {
+    shader: PathBuf,
+    /// The module, or what the compiler says.
+    made: Result<Vec<u8>, String>,
+}
 
 #[test]
 fn the_glsl_side_of_the_abi_is_fresh() {
@@ -40,7 +59,7 @@ fn the_glsl_side_of_the_abi_is_fresh() {
 
 #[test]
 fn modules_are_what_the_compiler_makes_of_the_shaders() {
-    let stale = COMPILED.iter().filter_map(|(shader, made)| match made {
+    let stale = COMPILED.iter().filter_map(|Compiled { shader, made }| match made {
         Err(said) => Some(format!("{}:\n{said}", shader.display())),
         Ok(made) => (fs::read(module_of(shader)).ok().as_ref() != Some(made)).then(|| shader.display().to_string()),
     });
@@ -158,20 +177,7 @@ fn mesh_shaders_compile() {
     assert_eq!((module.version(), module.capabilities()), ((1, 6), vec![MESH_SHADING]));
 }
 
-const MESH_SHADING: u32 = 5283;
-const TRIANGLE: &str = "#version 460
-#extension GL_EXT_mesh_shader : require
-layout(local_size_x = 1) in;
-layout(triangles, max_vertices = 3, max_primitives = 1) out;
-void main() {
-    SetMeshOutputsEXT(3, 1);
-    for (uint i = 0; i < 3; i++) gl_MeshVerticesEXT[i].gl_Position = vec4(i & 1, i >> 1, 0, 1);
-    gl_PrimitiveTriangleIndicesEXT[0] = uvec3(0, 1, 2);
-    gl_MeshPrimitivesEXT[0].gl_CullPrimitiveEXT = false;
-}
-";
-
-fn compile_all() -> Vec<(PathBuf, Result<Vec<u8>, String>)> {
+fn compile_all() -> Vec<Compiled> {
     LazyLock::force(&ABI);
     let Some(glslang) = Glslang::installed() else { return Vec::new() };
     let update = env::var_os("HALFPIXEL_UPDATE").is_some();
@@ -181,7 +187,7 @@ fn compile_all() -> Vec<(PathBuf, Result<Vec<u8>, String>)> {
             let module = module_of(&shader);
             fs::write(&module, made).unwrap_or_else(|e| panic!("cannot write {}: {e}", module.display()));
         }
-        (shader, made)
+        Compiled { shader, made }
     });
     compiled.collect()
 }
