@@ -270,7 +270,9 @@ fn conservative_fragments_are_those_that_touch() {
                 .rev()
                 .find(|&k| scene.triangles(k).iter().any(|&t| touches(t, centre) && !covers(t, centre)));
             let found = (spare[pixel] != 0).then(|| low(spare[pixel]) as usize >> 7);
-            assert_eq!(found, nearest, "pixel {pixel}: {:?}", nearest.map(|k| scene.quads[k]));
+            // The other triangle of the nearest quad may round to be nearer.
+            let found = found.filter(|&k| Some(k) != top[pixel]);
+            assert_eq!(found, nearest, "pixel {pixel}: {:?}", nearest.or(found).map(|k| scene.quads[k]));
             assert!(spare[pixel] == 0 || low(spare[pixel]) & 127 < 2);
         }
     }
