@@ -19,11 +19,12 @@ use super::trim_cut::gaps;
 use super::trim_texture::textures;
 use super::{Bound, FrameShape, Options, Precision, Trim};
 use crate::cuda::selection::{Clocks, Selection};
-use crate::cuda::{self, GpuError, abi, evaluate::Staged, scene::SceneOnDevice};
+use crate::cuda::{self, GpuError, TrimLists, abi, evaluate::Staged, scene::SceneOnDevice};
 use crate::scene::{Camera, PatchTrim, Scene};
 use crate::vulkan::{Rasterizer, VulkanError};
 use glam::Vec4;
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
 use thiserror::Error;
 
@@ -129,6 +130,8 @@ pub struct Renderer<'a> {
     spare_targets: Option<Targets>,
     /// Made when a frame first asks for it.
     pub(super) hardware: Option<Rasterizer>,
+    /// The scene's, where hardware has drawn trimmed faces.
+    pub(super) trim_lists: Option<Arc<TrimLists>>,
 }
 
 /// What the geometry stages make of all patches.
@@ -155,6 +158,7 @@ impl<'a> Renderer<'a> {
             tables: BasisTables::new(),
             spare_targets: None,
             hardware: None,
+            trim_lists: None,
         }
     }
 
@@ -197,12 +201,11 @@ impl<'a> Renderer<'a> {
         let mut targets = self.take_targets(camera.size);
         let pen = |(leaf, grid)| self.pen(&lens, options, leaf, grid, &leaves.nets);
         let pens: Vec<Pen> = leaves.leaves.par_iter().zip(&grids).map(pen).collect();
-        let hardware = self.routes(options, &lens, &leaves, &grids);
-        let software = |k: &u32| !hardware.takes(meshlets.meshlets[*k as usize].leaf);
+        let routes = self.routes(options, &lens, &leaves, &grids);
+        let software = |k: &u32| !routes.draws(&meshlets.meshlets[*k as usize]);
         let numbers = (0..meshlets.meshlets.len() as u32).filter(software);
         rasterize(&meshlets, numbers, &pens, options, camera.size, &mut targets);
-        let triangles_hardware =
-            self.rasterize_by_hardware(&lens, options, &leaves, &grids, &meshlets, &hardware, &mut targets)?;
+        let hardware = self.rasterize_by_hardware(&lens, options, &leaves, &grids, &meshlets, &routes, &mut targets)?;
         clock.stage("rasterize");
         let Leaves { leaves, nets, patches_visible } = leaves;
         let mut shader = Shader {
@@ -216,7 +219,7 @@ impl<'a> Renderer<'a> {
             textures: Vec::new(),
         };
         shader.textures = textures(&shader);
-        let trim = meshlets.trim.plus(trim(&shader, &pens, &mut targets));
+        let trim = meshlets.trim.plus(trim(&shader, &pens, &routes, &hardware.listed, &mut targets));
         clock.stage("trim");
         let mut filled = fill(&meshlets, options, camera.size, &mut targets);
         clock.stage("fill");
@@ -230,7 +233,7 @@ impl<'a> Renderer<'a> {
             meshlets: meshlets.meshlets.len() as u64,
             quads: meshlets.quads,
             triangles: 2 * meshlets.quads,
-            triangles_hardware,
+            triangles_hardware: hardware.triangles,
             filled: filled.len() as u64,
             drawn: targets.near.par_iter().filter(|&&word| word != 0).count() as u64,
             trim,

@@ -11,6 +11,7 @@
 //! | `device.rs` | what a device must have, and what is missing where it can't be used |
 //! | `memory.rs` | buffers with addresses |
 //! | `pipeline.rs` | mesh pipelines of `vk_shaders/` |
+//! | `trims.rs` | trim trees, and fragments that only the exact surface can decide |
 //! | `rasterize.rs` | a frame's meshlets into its two buffers of words |
 
 // Foreign code is called in all of these files.
@@ -21,10 +22,11 @@ mod instance;
 mod memory;
 mod pipeline;
 mod rasterize;
+mod trims;
 
 pub use device::{Device, Found, devices};
 pub use instance::{Instance, Validation};
-pub use rasterize::{Input, Rasterizer};
+pub use rasterize::{Drawn, Input, Rasterizer};
 
 use ash::vk;
 use thiserror::Error;
