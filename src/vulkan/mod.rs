@@ -12,6 +12,7 @@
 //! | `memory.rs` | buffers with addresses |
 //! | `pipeline.rs` | mesh pipelines of `vk_shaders/` |
 //! | `trims.rs` | trim trees, and fragments that only the exact surface can decide |
+//! | `threshold.rs` | what each device has been measured to be good for |
 //! | `rasterize.rs` | a frame's meshlets into its two buffers of words |
 
 // Foreign code is called in all of these files.
@@ -22,6 +23,7 @@ mod instance;
 mod memory;
 mod pipeline;
 mod rasterize;
+pub mod threshold;
 mod trims;
 
 pub use device::{Device, Found, devices};

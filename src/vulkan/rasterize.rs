@@ -2,6 +2,7 @@
 
 use super::memory::{Buffer, Use};
 use super::pipeline::{Kind, PUSH_BYTES, Pipelines, Push};
+use super::threshold;
 use super::trims::Trims;
 use super::{Device, VulkanError};
 use crate::cuda::{Pod, TrimLists, abi};
@@ -52,6 +53,8 @@ pub struct Rasterizer {
     commands: vk::CommandBuffer,
     done: vk::Fence,
     device: Arc<Device>,
+    /// Pixels along the longer side of a quad from which on it is worth drawing here.
+    large: f64,
 }
 
 #[derive(Default)]
@@ -106,6 +109,7 @@ impl Rasterizer {
             pool,
             commands: vk::CommandBuffer::null(),
             done: vk::Fence::null(),
+            large: threshold::stored(&device.found).unwrap_or(threshold::UNMEASURED),
             device,
         };
         let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
@@ -121,6 +125,12 @@ impl Rasterizer {
 
     pub fn device(&self) -> &Device {
         &self.device
+    }
+
+    /// Pixels along the longer side of a quad from which on this device draws it faster than software, as far as that has been
+    /// measured.
+    pub fn large(&self) -> f64 {
+        self.large
     }
 
     /// Draws meshlets into buffers of their own.

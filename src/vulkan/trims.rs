@@ -5,8 +5,8 @@ use super::{Device, VulkanError};
 use crate::cuda::{Pod, TrimLists, abi};
 use std::sync::Arc;
 
-/// Fragments that there is room for at first.
-const ROOM: u32 = 1 << 16;
+/// Fragments that there is room for at first: few, so that every scene with many shows that lists grow.
+const ROOM: u32 = 16;
 
 /// What shaders are told: `Trims` of vk_shaders/trim.glsl.
 #[derive(Clone, Copy, Debug)]

@@ -76,6 +76,20 @@ fn trimmed_faces_are_the_same() {
     let names =
         ["builtin:trimmed:plate", "builtin:trimmed:drilled", "builtin:trimmed:ball", "builtin:trimmed:degree22"];
     agree(&names, &zoomed(&[1.0, 30.0]), &options);
+    let fills = [Fill::Eter, Fill::Conservative].map(|fill| Options { fill, tolerance: 0.3, ..Options::default() });
+    let unrefined = Options { refine: 0, tolerance: 0.3, ..Options::default() };
+    agree(&names[1..], &zoomed(&[1.0]), &[fills[0], fills[1], unrefined]);
+}
+
+/// More fragments near curves than a first frame has room for (16): it is drawn again.
+#[test]
+fn lists_grow() {
+    let view = ViewSpec { size: [900, 700], ..ViewSpec::default() };
+    agree(&["builtin:trimmed:drilled"], &[view], &[Options::default()]);
+    let scene = scene("builtin:trimmed:drilled");
+    let camera = view.camera(&scene.bounds).expect("a camera");
+    let stats = Renderer::new(&scene).render(&camera, &Options::default()).expect("a frame").stats;
+    assert!(stats.trim.tested > 16, "{stats:?}");
 }
 
 #[test]

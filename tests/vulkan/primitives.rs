@@ -323,3 +323,21 @@ fn folds_are_drawn_where_the_sense_of_rotation_changes() {
     }
     assert_silent(&rasterizer);
 }
+
+/// More meshlets than one row of workgroups has.
+#[test]
+fn many_meshlets_are_all_drawn() {
+    let Some(mut rasterizer) = rasterizer() else { return };
+    let count = 66_000;
+    let mut quads = vec![[[-1000, -1000], [-999, -1000], [-999, -999], [-1000, -999]]; count];
+    for (k, x) in [(0, 0), (65_534, 1), (65_535, 2), (65_536, 3), (count - 1, 4)] {
+        quads[k] = [[0, 0], [256, 0], [256, 256], [0, 256]].map(|[dx, dy]| [256 * x + dx, dy]);
+    }
+    let mut scene = Scene::new(&quads, 0, 0, 1);
+    scene.vertices.iter_mut().for_each(|v| v.depth = 0.5);
+    let [near, _] = scene.draw(&mut rasterizer, Fill::Off);
+    let found: Vec<u32> = near[..6].iter().map(|&word| low(word) >> 7).collect();
+    assert_eq!(found, [0, 65_534, 65_535, 65_536, count as u32 - 1, 0]);
+    assert!(near[..5].iter().all(|&word| word != 0) && near[5] == 0);
+    assert_silent(&rasterizer);
+}
