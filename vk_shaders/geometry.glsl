@@ -40,6 +40,12 @@ layout(constant_id = 1) const bool TRIMMED = false;
 
 const int64_t HALF_SUBPIXELS = SUBPIXELS / 2;
 
+// A workgroup's meshlet, and which part of its items.
+uvec2 job_at(uint place) {
+    uint job = push.numbers.at[place];
+    return uvec2(job & ((1u << (32 - INDEX_BITS)) - 1), job >> (32 - INDEX_BITS));
+}
+
 // Three vertices, in their primitive's order: sub-pixels and depths.
 struct Corners {
     ivec2 at[3];

@@ -11,6 +11,7 @@
 //! | `device.rs` | what a device must have, and what is missing where it can't be used |
 //! | `memory.rs` | buffers with addresses |
 //! | `pipeline.rs` | mesh pipelines of `vk_shaders/` |
+//! | `jobs.rs` | which workgroups a frame takes |
 //! | `trims.rs` | trim trees, and fragments that only the exact surface can decide |
 //! | `threshold.rs` | what each device has been measured to be good for |
 //! | `rasterize.rs` | a frame's meshlets into its two buffers of words |
@@ -20,6 +21,7 @@
 
 mod device;
 mod instance;
+mod jobs;
 mod memory;
 mod pipeline;
 mod rasterize;

@@ -16,12 +16,12 @@ pub(super) struct Push {
     pub leaves: u64,
     pub meshlets: u64,
     pub vertices: u64,
-    /// Numbers of the meshlets to be drawn.
+    /// A job a workgroup: the number of a meshlet, and above it which 32 of its items.
     pub numbers: u64,
     pub near: u64,
     pub spare: u64,
     pub trims: u64,
-    /// First of `numbers`, how many are drawn, and how many meshlets there are.
+    /// First of `numbers`, the end of those that are drawn, and how many meshlets there are.
     pub first: u32,
     pub count: u32,
     pub all: u32,

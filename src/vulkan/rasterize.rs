@@ -1,5 +1,6 @@
 //! rasterize: a frame's meshlets by mesh shaders, into its two buffers of visibility words.
 
+use super::jobs::{self, Draw};
 use super::memory::{Buffer, Use};
 use super::pipeline::{Kind, PUSH_BYTES, Pipelines, Push};
 use super::threshold;
@@ -12,9 +13,7 @@ use std::sync::Arc;
 
 /// Workgroups along one axis of a draw, and in all of it: what every device can do.
 const MOST_GROUPS: u32 = 65535;
-const MOST_IN_ALL: u32 = 1 << 22;
-/// Items of a meshlet that one workgroup looks at.
-const ITEMS: u32 = 32;
+const MOST_IN_ALL: u32 = (1 << 22) / MOST_GROUPS * MOST_GROUPS;
 /// Two minutes: a driver's own watchdog comes sooner.
 const TIMEOUT: u64 = 120_000_000_000;
 
@@ -74,18 +73,9 @@ struct Buffers {
 struct Frame<'a> {
     input: Input<'a>,
     push: Push,
-    /// Meshlets that no trim curve crosses, and those that some cross.
-    lists: [List; 2],
+    draws: Vec<Draw>,
     /// From where to where words are copied for the host, and what trimming lists.
     copies: Vec<Copied>,
-}
-
-/// Meshlets in the list of numbers, and right behind them those of them that reach beyond the viewport.
-#[derive(Clone, Copy, Debug, Default)]
-struct List {
-    first: u32,
-    all: u32,
-    far: u32,
 }
 
 struct Copied {
@@ -160,21 +150,12 @@ impl Rasterizer {
         let Self { device, buffers, pipelines, .. } = self;
         let middle = input.size.map(|n| n as i32 / 2);
         let mut push = Push { size: input.size, middle, half_viewport: device.half_viewport as i32, ..Push::default() };
-        let (mut numbers, mut lists) = (Vec::new(), [List::default(); 2]);
-        for (tested, list) in lists.iter_mut().enumerate() {
-            let of = |number: &u32| usize::from(input.meshlets[*number as usize].tested) == tested;
-            list.first = numbers.len() as u32;
-            numbers.extend(input.numbers.iter().copied().filter(of));
-            list.all = numbers.len() as u32 - list.first;
-            let far = |number: &u32| of(number) && is_far(input, *number, &push);
-            numbers.extend(input.numbers.iter().copied().filter(far));
-            list.far = numbers.len() as u32 - list.first - list.all;
-        }
+        let (jobs, draws) = jobs::jobs(input, &push);
         push.patches = filled(device, &mut buffers.patches, input.patches)?;
         push.leaves = filled(device, &mut buffers.leaves, input.leaves)?;
         push.meshlets = filled(device, &mut buffers.meshlets, input.meshlets)?;
         push.vertices = filled(device, &mut buffers.vertices, input.vertices)?;
-        push.numbers = filled(device, &mut buffers.numbers, &numbers)?;
+        push.numbers = filled(device, &mut buffers.numbers, &jobs)?;
         push.all = input.meshlets.len() as u32;
         let bytes = u64::from(input.size[0]) * u64::from(input.size[1]) * size_of::<u64>() as u64;
         let near = room(device, &mut buffers.near, bytes, Use::Shaders)?;
@@ -193,7 +174,7 @@ impl Rasterizer {
             copies.push(Copied { from: trims.count.raw, to: trims.counted.raw, bytes: count });
             copies.push(Copied { from: trims.queue.raw, to: trims.listed.raw, bytes: listed });
         }
-        Ok(Frame { input: *input, push, lists, copies })
+        Ok(Frame { input: *input, push, draws, copies })
     }
 
     fn record(&self, frame: &Frame) -> Result<(), VulkanError> {
@@ -209,16 +190,10 @@ impl Rasterizer {
             }
         }
         self.barrier(vk::PipelineStageFlags2::CLEAR, vk::PipelineStageFlags2::FRAGMENT_SHADER);
-        self.pass(frame, &[(Kind::Triangles, 1), (Kind::Far, 98u32.div_ceil(ITEMS))]);
+        let [near, spare] = jobs::passes(frame.input.fill);
+        self.pass(frame, near);
         self.barrier(vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::PipelineStageFlags2::FRAGMENT_SHADER);
-        match frame.input.fill {
-            Fill::Off => {}
-            Fill::Stroke => self.pass(
-                frame,
-                &[(Kind::Borders, 1), (Kind::Folds, 147u32.div_ceil(ITEMS)), (Kind::TurnedAway, 98u32.div_ceil(ITEMS))],
-            ),
-            Fill::Eter | Fill::Conservative => self.pass(frame, &[(Kind::Conservative, 98u32.div_ceil(ITEMS))]),
-        }
+        self.pass(frame, spare);
         self.barrier(vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::PipelineStageFlags2::COPY);
         for &Copied { from, to, bytes } in &frame.copies {
             // SAFETY: as above; both buffers have that room.
@@ -229,8 +204,8 @@ impl Rasterizer {
         unsafe { raw.end_command_buffer(commands) }.map_err(VulkanError::of("vkEndCommandBuffer"))
     }
 
-    /// All that is drawn before anybody looks at it, with the workgroups that a meshlet gets.
-    fn pass(&self, frame: &Frame, kinds: &[(Kind, u32)]) {
+    /// All that is drawn before anybody looks at it.
+    fn pass(&self, frame: &Frame, kinds: &[Kind]) {
         let (raw, commands, [width, height]) = (&self.device.raw, self.commands, frame.input.size);
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
         let rendering = vk::RenderingInfo::default().render_area(area).layer_count(1);
@@ -250,36 +225,28 @@ impl Rasterizer {
             raw.cmd_set_viewport(commands, 0, &[viewport]);
             raw.cmd_set_scissor(commands, 0, &[area]);
         }
-        for (trimmed, list) in [false, true].into_iter().zip(frame.lists) {
-            for &(kind, groups) in kinds {
-                let far = (list.first + list.all, list.far);
-                let (first, count) = if kind == Kind::Far { far } else { (list.first, list.all) };
-                if count > 0 {
-                    self.meshlets(self.pipelines.of(kind, trimmed), groups, first, count, &frame.push);
-                }
-            }
-        }
+        frame.draws.iter().filter(|draw| kinds.contains(&draw.kind)).for_each(|draw| self.meshlets(draw, &frame.push));
         // SAFETY: as above.
         unsafe { raw.cmd_end_rendering(commands) };
     }
 
-    /// One kind of a list's meshlets, in as many draws as it takes.
-    fn meshlets(&self, pipeline: vk::Pipeline, groups: u32, first: u32, count: u32, push: &Push) {
+    /// One list of workgroups, in as many draws as it takes.
+    fn meshlets(&self, draw: &Draw, push: &Push) {
         let (raw, commands) = (&self.device.raw, self.commands);
         let stages = vk::ShaderStageFlags::MESH_EXT | vk::ShaderStageFlags::FRAGMENT;
-        let most = MOST_IN_ALL / groups / MOST_GROUPS * MOST_GROUPS;
-        let end = first + count;
+        let pipeline = self.pipelines.of(draw.kind, draw.trimmed);
+        let end = draw.first + draw.count;
         // SAFETY: as in `pass`.
         unsafe { raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, pipeline) };
-        for first in (first..end).step_by(most as usize) {
-            let count = most.min(end - first);
+        for first in (draw.first..end).step_by(MOST_IN_ALL as usize) {
+            let count = MOST_IN_ALL.min(end - first);
             let push = Push { first, count: first + count, ..*push };
             // SAFETY: as in `pass`. `Push` is numbers without padding, of the size that the layout has.
             unsafe {
                 let bytes = std::slice::from_raw_parts((&raw const push).cast::<u8>(), PUSH_BYTES as usize);
                 raw.cmd_push_constants(commands, self.pipelines.layout, stages, 0, bytes);
                 let rows = count.div_ceil(MOST_GROUPS);
-                self.device.mesh.cmd_draw_mesh_tasks(commands, count.min(MOST_GROUPS), rows, groups);
+                self.device.mesh.cmd_draw_mesh_tasks(commands, count.min(MOST_GROUPS), rows, 1);
             }
         }
     }
@@ -324,15 +291,6 @@ impl std::fmt::Debug for Rasterizer {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_tuple("Rasterizer").field(&self.device).finish()
     }
-}
-
-/// Some vertex lies beyond the viewport: the same question as `is_far` of vk_shaders/geometry.glsl.
-fn is_far(input: &Input, number: u32, push: &Push) -> bool {
-    let meshlet = &input.meshlets[number as usize];
-    let count = (usize::from(meshlet.quads[0]) + 1) * (usize::from(meshlet.quads[1]) + 1);
-    let most = (push.half_viewport - 1) * abi::SUBPIXELS;
-    let off = |place: i32, axis: usize| (place - push.middle[axis] * abi::SUBPIXELS).abs() > most;
-    input.vertices[meshlet.vertices as usize..][..count].iter().any(|v| off(v.x, 0) || off(v.y, 1))
 }
 
 /// A buffer with room for so many bytes: the last frame's, or a new one that is half as large again.
