@@ -9,12 +9,12 @@ use ash::vk;
 use std::sync::Arc;
 
 /// Workgroups along one axis of a draw, and in all of it: what every device can do.
-const MOST_GROUPS: u32 = 65535;
-const MOST_IN_ALL: u32 = 1 << 22;
+pub(super) const MOST_GROUPS: u32 = 65535;
+pub(super) const MOST_IN_ALL: u32 = 1 << 22;
 /// Items of a meshlet that one workgroup looks at.
 const ITEMS: u32 = 32;
 /// Two minutes: a driver's own watchdog comes sooner.
-const TIMEOUT: u64 = 120_000_000_000;
+pub(super) const TIMEOUT: u64 = 120_000_000_000;
 
 /// What is drawn. Lists are those of `kernels/abi.h`.
 #[derive(Clone, Copy, Debug)]
@@ -279,7 +279,7 @@ fn is_far(input: &Input, number: u32, push: &Push) -> bool {
 }
 
 /// A buffer with room for so many bytes: the last frame's, or a new one that is half as large again.
-fn room<'a>(
+pub(super) fn room<'a>(
     device: &Arc<Device>,
     kept: &'a mut Option<Buffer>,
     bytes: u64,
