@@ -72,7 +72,7 @@ impl Borders {
         let (across, along) = (k / 2, 1 - k / 2);
         let low = leaf.corner;
         let high = [0, 1].map(|axis| low[axis] + leaf.extent[axis]);
-        let (place, end) = if k % 2 == 0 { (low[across], 0.0) } else { (high[across], 1.0) };
+        let (place, end) = if k.is_multiple_of(2) { (low[across], 0.0) } else { (high[across], 1.0) };
         let ends = [low[along], high[along]];
         match self.sides.get(source as usize) {
             Some(sides) if place == end => {
