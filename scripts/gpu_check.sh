@@ -64,6 +64,15 @@ bench() {
     step "$name" "$limit" "$program" bench "$@" --backend "$backend" -o "$found/$name"
 }
 
+# Vulkan's mesh shaders beside the software rasteriser, where the machine has a Vulkan device.
+raster() {
+    if "$program" devices | grep '^vulkan' | grep -qv 'not available'; then
+        step raster 40 "$program" bench raster "$@" --forget -o "$found/raster"
+    else
+        echo "raster,no Vulkan device,0,0" | tee -a "$out/steps.csv"
+    fi
+}
+
 facts() {
     uname -a
     grep -m1 "model name" /proc/cpuinfo
@@ -92,6 +101,7 @@ if [ "$backend" = cuda ]; then
     bench backends 90 backends models/* --size 640x360
     bench matrix 45 matrix models/teapot.bpt models/killeroo.bpt models/NIST_MBE_PMI_2.stp --pairwise --size 320x240
     step verify 30 "$program" verify models/teapot.bpt --backend cuda --size 640x360 --samples 2000 --json
+    raster models/teapot.bpt models/killeroo.bpt models/NIST_MBE_PMI_2.stp --samples 300 --size 1920x1080
     bench evaluate 60 evaluate
     bench frame 60 frame models/killeroo.bpt --samples 300 --size 1920x1080
     sanitize memcheck
@@ -105,6 +115,7 @@ else
     bench backends 120 backends models/teapot.bpt models/screw.step --size 96x64
     bench matrix 60 matrix models/teapot.bpt --pairwise --size 96x64
     step verify 60 "$program" verify models/teapot.bpt --backend emulated --size 96x64 --samples 200 --json
+    raster models/teapot.bpt models/screw.step --samples 50 --size 96x64
     bench evaluate 120 evaluate --patches 4
     bench precision 120 precision --patches 2
     bench frame 120 frame models/teapot.bpt --patches 128 --frames 1 --samples 50 --size 96x64

@@ -19,10 +19,11 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::{env, fs};
 
-const HEADER: &str = "kernels/abi.h";
+const HEADERS: [&str; 2] = ["kernels/abi.h", "kernels/abi_scene.h"];
 const BINDINGS: &str = "src/cuda/abi.rs";
 const GLSL: &str = "vk_shaders/abi.glsl";
-const TITLE: &str = "Made of kernels/abi.h by tests/shaders.rs: change that file, and read its comments there.";
+const TITLE: &str =
+    "Made of kernels/abi.h and abi_scene.h by tests/shaders.rs: change those, and read their comments there.";
 const FOLDER: &str = "vk_shaders";
 const STAGES: [&str; 8] = ["mesh", "task", "frag", "vert", "tesc", "tese", "comp", "geom"];
 /// The capability FragmentShadingRateKHR: glslang 12 declares it for mesh shaders that do not use it.
@@ -41,8 +42,13 @@ void main() {
 }
 ";
 
+/// All that host and device share.
+fn header() -> Vec<glsl::Item> {
+    HEADERS.iter().flat_map(|page| glsl::read(&text(page))).collect()
+}
+
 /// The structs are written before a shader that includes them is compiled.
-static ABI: LazyLock<()> = LazyLock::new(|| agrees(GLSL, &glsl::write(TITLE, &glsl::read(&text(HEADER)))));
+static ABI: LazyLock<()> = LazyLock::new(|| agrees(GLSL, &glsl::write(TITLE, &header())));
 /// What the compiler makes of every shader, committed anew if that is asked for; nothing where there is no compiler.
 static COMPILED: LazyLock<Vec<Compiled>> = LazyLock::new(compile_all);
 
@@ -235,7 +241,7 @@ fn temporary(name: &str, shader: &str) -> PathBuf {
 }
 
 fn structs() -> Vec<Struct> {
-    let items = glsl::read(&text(HEADER)).into_iter();
+    let items = header().into_iter();
     let structs = items.filter_map(|item| if let Item::Struct(one) = item { Some(one) } else { None });
     structs.collect()
 }

@@ -1,4 +1,4 @@
-// Made of kernels/abi.h by tests/shaders.rs: change that file, and read its comments there.
+// Made of kernels/abi.h and abi_scene.h by tests/shaders.rs: change those, and read their comments there.
 #ifndef ABI_GLSL
 #define ABI_GLSL
 #extension GL_EXT_shader_explicit_arithmetic_types_int8 : require
@@ -162,6 +162,198 @@ struct Shown {
     double stored[2];
     uint instance;
     uint patch_;
+};
+
+const uint REGION_INSIDE = 0u;
+const uint REGION_OUTSIDE = 1u;
+const uint REGION_BOUNDARY = 2u;
+
+struct TrimTree {
+    double low[2];
+    double high[2];
+    double gap;
+    uint root;
+    uint unused;
+};
+
+const uint NODE_CELL = 2u;
+const uint NODE_INSIDE = 1u;
+const uint NODE_COUNT_SHIFT = 2u;
+
+struct TrimNode {
+    double at;
+    uint first;
+    uint tag;
+};
+
+const uint EXIT_NONE = 0u;
+const uint EXIT_LOWER = 1u;
+const uint EXIT_UPPER = 2u;
+
+struct TrimClip {
+    double heights[2];
+    uint segment;
+    uint exit;
+};
+
+struct TrimSegment {
+    double ends[2][2];
+    double gap;
+    uint first;
+    uint count;
+};
+
+struct TrimPoint {
+    double x;
+    double y;
+    double w;
+};
+
+struct TrimTexture {
+    uint64_t first;
+    uint size[2];
+};
+
+struct TextureCounts {
+    uint64_t tested;
+    uint64_t rejected;
+    uint64_t too_coarse;
+};
+
+const uint BOUND_SCREEN = 0u;
+const uint BOUND_ETER = 1u;
+const uint BOUND_FILIP = 2u;
+const uint BOUND_PROJECTIVE = 3u;
+const uint BOUND_SLEFE = 4u;
+const uint GRID_ADAPTIVE = 0u;
+const uint GRID_VARIABLE = 1u;
+const uint GRID_ETER = 2u;
+const uint CULL_OFF = 0u;
+const uint CULL_AUTO = 1u;
+const uint CULL_ON = 2u;
+const uint PRECISION_AUTO = 6u;
+
+struct Rules {
+    uint bound;
+    uint grid;
+    uint cull;
+    uint whole;
+    uint precision_;
+    uint large_blocks;
+    double f32_clocks[7];
+    double clocks[6];
+};
+
+struct ControlPoint {
+    double x;
+    double y;
+    double z;
+    double w;
+};
+
+const uint SIDES_BOTH = 0u;
+const uint SIDES_OUTSIDE = 1u;
+const uint SIDES_INSIDE = 2u;
+
+struct ScenePatch {
+    uint points;
+    uint8_t degree[2];
+    uint8_t sides;
+    uint8_t rational;
+    uint face;
+    uint tree;
+    double origin[3];
+    double cone_axis[3];
+    double cone_cos;
+    double radius;
+    double domain[2][2];
+    double enclosure_low[3][3];
+    double enclosure_high[3][3];
+    double enclosure_radius[3];
+    double gap;
+    uint rim;
+    uint unused[3];
+};
+
+struct SceneInstance {
+    double matrix[3][3];
+    double translation[3];
+    uint first_patch;
+    uint first_item;
+    uint first_color;
+    uint colors;
+    float color[3];
+    uint has_color;
+};
+
+struct FaceColor {
+    uint face;
+    float color[3];
+};
+
+const uint BASIS_SIDES = 4103u;
+const uint ITEM_CULLED = 0u;
+const uint ITEM_WHOLE = 1u;
+const uint ITEM_SPLIT = 2u;
+
+struct Visible {
+    uint item;
+    uint state;
+    uint16_t quads[2];
+    uint diagonal;
+    float deviation[2];
+};
+
+const uint ERROR_TOO_MANY_LEAVES = 1u;
+const uint ERROR_TOO_CLOSE = 2u;
+const uint ERROR_GRID_TOO_LARGE = 3u;
+const uint ERROR_TOLERANCE = 4u;
+const uint64_t NO_ERROR = 0xfffffffffffffffful;
+
+struct Counters {
+    uint64_t error;
+    uint64_t part_points;
+    uint split;
+    uint taken;
+    uint parts;
+    uint visible;
+    uint short_of_halves;
+    uint unused;
+};
+
+struct Half {
+    uint64_t axes[2];
+    uint64_t sides[2];
+    uint depth;
+    uint diagonal;
+    uint quads[2];
+    float deviation[2];
+};
+
+struct HalvedLeaf {
+    uint first;
+    uint next;
+    uint end;
+    uint tries;
+    uint quads;
+    uint part_quads;
+};
+
+struct PartPlace {
+    uint visible;
+    uint number;
+    uint net;
+    uint unused;
+};
+
+const uint BLOCK_FREE = 0u;
+const uint BLOCK_CUT = 1u;
+const uint BLOCK_OUTSIDE = 2u;
+
+struct MeshletCounts {
+    uint64_t quads;
+    uint inside;
+    uint boundary;
 };
 
 #endif

@@ -14,6 +14,9 @@ layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Ve
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Numbers { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Words { uint64_t at[]; };
 
+// vk_shaders/trim.glsl has the rest.
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Trims;
+
 // `Push` of src/vulkan/pipeline.rs.
 layout(push_constant, scalar) uniform Pushed {
     Patches patches;
@@ -23,6 +26,7 @@ layout(push_constant, scalar) uniform Pushed {
     Numbers numbers;
     Words near;
     Words spare;
+    Trims trims;
     uint first;
     uint count;
     uint all;
@@ -30,6 +34,9 @@ layout(push_constant, scalar) uniform Pushed {
     int middle[2];
     int half_viewport;
 } push;
+
+// Trim curves cross what is drawn.
+layout(constant_id = 1) const bool TRIMMED = false;
 
 const int64_t HALF_SUBPIXELS = SUBPIXELS / 2;
 

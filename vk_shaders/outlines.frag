@@ -53,15 +53,25 @@ void main() {
     if (!fragment(d, pixel, depth)) {
         return;
     }
+    ivec2 places[3] = places_of(d, item);
+    Corners c = corners_of(d.m, places);
     uint index = KIND == BORDERS ? FIRST_EDGE + item : KIND == FOLDS || KIND == TURNED_AWAY ? FOLD_INDEX : item;
     uint64_t word = word_of(depth, number << INDEX_BITS | index);
     if (KIND == FAR) {
-        keep_larger(push.near, pixel, word);
+        if (TRIMMED) {
+            trim(d.m, places, c, pixel, word);
+        } else {
+            keep_larger(push.near, pixel, word);
+        }
         return;
     }
     // Fill wants nothing that N hides.
     uint64_t near = push.near.at[uint(pixel.y) * push.size[0] + uint(pixel.x)];
     if (depth > depth_of(near)) {
+        // A fold has no parameters of its own.
+        if (TRIMMED && index != FOLD_INDEX && !keeps_stroke(d.m, places, c, pixel, KIND == BORDERS)) {
+            return;
+        }
         keep_larger(push.spare, pixel, word);
     }
 }

@@ -1,7 +1,7 @@
 // What is drawn of a meshlet item by item: strokes along its borders and folds, ETER's conservative fragments, triangles that
 // reach beyond the viewport. Twin of kernels/outlines.cuh. Hardware gets a shape around each item, fragments are decided exactly.
 #include "geometry.glsl"
-#include "stroke.glsl"
+#include "trim.glsl"
 
 // `Kind` of src/vulkan/pipeline.rs.
 const uint FAR = 0, BORDERS = 1, FOLDS = 2, TURNED_AWAY = 3, CONSERVATIVE = 4;
@@ -25,6 +25,12 @@ uint items_of(Drawn d) {
     case FOLDS: return 3 * uint(d.m.quads[0]) * uint(d.m.quads[1]);
     default: return triangles_of(d.m);
     }
+}
+
+// The corners of an item that is a triangle, or a border with the triangle behind it.
+ivec2[3] places_of(Drawn d, uint item) {
+    return KIND == BORDERS ? edge_places(d.m, d.diagonal, item / EDGES_A_SIDE, int(item % EDGES_A_SIDE))
+                           : triangle_places(d.m, d.diagonal, item);
 }
 
 Corners triangle_of(Drawn d, uint index) { return corners_of(d.m, triangle_places(d.m, d.diagonal, index)); }
@@ -87,7 +93,7 @@ bool is_fold(Drawn d, uint item, ivec2 quad) {
 // The segment that an item's pen runs along; its third corner is that of a border's triangle.
 Corners segment_of(Drawn d, uint item) {
     if (KIND == BORDERS) {
-        return corners_of(d.m, edge_places(d.m, d.diagonal, item / EDGES_A_SIDE, int(item % EDGES_A_SIDE)));
+        return corners_of(d.m, places_of(d, item));
     }
     ivec2 quad, from, to;
     fold_ends(d, item, quad, from, to);

@@ -52,10 +52,10 @@ float push_of(uint leaf, Corners c, int64_t area) {
     return min(push_back, range);
 }
 
-// Barycentric depth of the triangle's point nearest to a pixel's centre, which is not inside.
-float nearest_depth(Corners c, ivec2 pixel) {
+// Barycentric weights of the triangle's point nearest to a pixel's centre, which is not inside.
+float[3] nearest_weights(Corners c, ivec2 pixel) {
     i64vec2 p = center_of(pixel);
-    precise float depth = 0.0;
+    float best[3];
     double least = 0.0LF;
     [[unroll]] for (int k = 0; k < 3; k++) {
         int n = (k + 1) % 3;
@@ -65,14 +65,13 @@ float nearest_depth(Corners c, ivec2 pixel) {
         precise double y = double(c.at[k].y) + double(way.y) * double(s) - double(p.y);
         precise double distance2 = x * x + y * y;
         if (k == 0 || distance2 < least) {
-            float weights[3] = float[3](0.0, 0.0, 0.0);
-            weights[k] = 1.0 - s;
-            weights[n] = s;
-            depth = weights[0] * c.depth[0] + weights[1] * c.depth[1] + weights[2] * c.depth[2];
+            best = float[3](0.0, 0.0, 0.0);
+            best[k] = 1.0 - s;
+            best[n] = s;
             least = distance2;
         }
     }
-    return depth;
+    return best;
 }
 
 // A pixel whose square the triangle touches without holding the centre (ETER section 6.1).
@@ -85,6 +84,8 @@ bool touches(Corners given, int64_t area, ivec2 pixel, out float depth) {
         inside = inside && (e > 0 || (e == 0 && owns(c, k)));
         meets_all = meets_all && e >= -HALF_SUBPIXELS * (way.x + way.y);
     }
-    depth = nearest_depth(c, pixel);
+    float weights[3] = nearest_weights(c, pixel);
+    precise float d = weights[0] * c.depth[0] + weights[1] * c.depth[1] + weights[2] * c.depth[2];
+    depth = d;
     return meets_all && !inside;
 }

@@ -74,6 +74,9 @@ pub struct FrameArgs {
     /// What turns triangles into fragments
     #[arg(long, value_enum, default_value_t)]
     pub raster: Raster,
+    /// Quads of so many pixels and more are hardware's in --raster hybrid [default: what `bench raster` found]
+    #[arg(long, value_name = "PIXELS", value_parser = parse_large, allow_hyphen_values = true)]
+    pub large: Option<f64>,
     /// How a GPU's frame is made [default: fused]
     #[arg(long, value_enum)]
     pub frame: Option<FrameShape>,
@@ -104,6 +107,7 @@ impl FrameArgs {
             show: self.show,
             frame: self.frame.unwrap_or_default(),
             raster: self.raster,
+            large: self.large,
             precision: self.precision.unwrap_or_default(),
             refine: self.refine,
             tolerance: self.tolerance,
@@ -213,6 +217,11 @@ pub(super) fn parse_zoom(text: &str) -> Result<f64, String> {
 
 pub(super) fn parse_tolerance(text: &str) -> Result<f64, String> {
     parse_in(text, 0.0, 10.0)
+}
+
+fn parse_large(text: &str) -> Result<f64, String> {
+    let number = parse_number(text)?;
+    if number >= 0.0 { Ok(number) } else { Err("must not be negative".into()) }
 }
 
 pub(super) fn parse_width(text: &str) -> Result<f64, String> {

@@ -87,6 +87,7 @@ pub use gpu::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape};
 pub(crate) use gpu::{bytes_of, pods};
 pub use module::{Kernels, Toolkit, fatbin, targets, toolkit};
 pub use stream::Stream;
+pub use trims::TrimLists;
 
 use cudarc::driver::DriverError;
 use thiserror::Error;

@@ -37,15 +37,38 @@ impl TrimPointers {
     }
 }
 
+/// The lists of all trim trees as devices have them.
+#[derive(Clone, Debug, Default)]
+pub struct TrimLists {
+    pub trees: Vec<abi::TrimTree>,
+    pub nodes: Vec<abi::TrimNode>,
+    pub clips: Vec<abi::TrimClip>,
+    pub segments: Vec<abi::TrimSegment>,
+    pub points: Vec<abi::TrimPoint>,
+}
+
+impl TrimLists {
+    pub fn new(trims: &Trims) -> Self {
+        let point = |p: &DVec3| abi::TrimPoint { x: p.x, y: p.y, w: p.z };
+        Self {
+            trees: trims.trees.iter().map(tree).collect(),
+            nodes: trims.nodes.iter().map(node).collect(),
+            clips: trims.clips.iter().map(clip).collect(),
+            segments: trims.segments.iter().map(segment).collect(),
+            points: trims.points.iter().map(point).collect(),
+        }
+    }
+}
+
 impl TrimsOnDevice {
     pub fn upload<G: Gpu>(gpu: &mut G, trims: &Trims) -> Result<Self, GpuError> {
-        let point = |p: &DVec3| abi::TrimPoint { x: p.x, y: p.y, w: p.z };
+        let lists = TrimLists::new(trims);
         Ok(Self {
-            trees: gpu.upload(&trims.trees.iter().map(tree).collect::<Vec<_>>())?,
-            nodes: gpu.upload(&trims.nodes.iter().map(node).collect::<Vec<_>>())?,
-            clips: gpu.upload(&trims.clips.iter().map(clip).collect::<Vec<_>>())?,
-            segments: gpu.upload(&trims.segments.iter().map(segment).collect::<Vec<_>>())?,
-            points: gpu.upload(&trims.points.iter().map(point).collect::<Vec<_>>())?,
+            trees: gpu.upload(&lists.trees)?,
+            nodes: gpu.upload(&lists.nodes)?,
+            clips: gpu.upload(&lists.clips)?,
+            segments: gpu.upload(&lists.segments)?,
+            points: gpu.upload(&lists.points)?,
         })
     }
 

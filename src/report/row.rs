@@ -93,6 +93,9 @@ pub struct Counts {
     pub meshlets: u64,
     pub quads: u64,
     pub triangles: u64,
+    /// Those of them that Vulkan's mesh shaders were given.
+    #[serde(default)]
+    pub triangles_hardware: u64,
     pub filled: u64,
     pub drawn: u64,
     pub buffer_bytes: u64,
@@ -196,6 +199,7 @@ impl From<&Stats> for Counts {
             meshlets: s.meshlets,
             quads: s.quads,
             triangles: s.triangles,
+            triangles_hardware: s.triangles_hardware,
             filled: s.filled,
             drawn: s.drawn,
             buffer_bytes: s.buffer_bytes,

@@ -160,6 +160,7 @@ fn count_columns(c: &mut Vec<Column>) {
     count("meshlets", |m| m.counts.meshlets);
     count("quads", |m| m.counts.quads);
     count("triangles", |m| m.counts.triangles);
+    count("triangles_hardware", |m| m.counts.triangles_hardware);
     count("filled", |m| m.counts.filled);
     count("drawn", |m| m.counts.drawn);
     count("buffer_bytes", |m| m.counts.buffer_bytes);

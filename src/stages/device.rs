@@ -1,8 +1,9 @@
 //! The frame on a device, by the kernels of `cuda`.
 
 use super::device_geometry::{DeviceGeometry, GeometryCounts};
+use super::error::RenderError;
 use super::fill::Filled;
-use super::frame::{Frame, Geometry, RenderError, Renderer, Surface, Targets};
+use super::frame::{Frame, Geometry, Renderer, Surface, Targets};
 use super::lens::Lens;
 use super::shade::{Shader, repaint};
 use super::stats::{Clock, Stats};

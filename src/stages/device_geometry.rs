@@ -3,8 +3,9 @@
 use super::Options;
 use super::cull::{Culler, Leaves};
 use super::device::Engine;
+use super::error::RenderError;
 use super::estimate::estimate;
-use super::frame::{RenderError, Renderer};
+use super::frame::Renderer;
 use super::lens::Lens;
 use super::topology::MAX_MESHLETS;
 use crate::cuda::cull::{Seen, rules};

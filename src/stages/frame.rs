@@ -3,9 +3,11 @@
 use super::basis::BasisTables;
 use super::cull::{Culler, Leaf, Leaves};
 use super::device::{Engine, Kept};
+use super::error::RenderError;
 use super::estimate::{Tessellation, estimate};
 use super::evaluate::{Meshlets, Vertex, View, evaluate};
 use super::fill::{Filled, fill};
+use super::hardware::Geometries;
 use super::interpolate::interpolate;
 use super::lens::Lens;
 use super::rasterize::{BAND, rasterize};
@@ -19,13 +21,13 @@ use super::trim_cut::gaps;
 use super::trim_texture::textures;
 use super::{Bound, FrameShape, Options, Precision, Trim};
 use crate::cuda::selection::{Clocks, Selection};
-use crate::cuda::{self, GpuError, abi, evaluate::Staged, scene::SceneOnDevice};
+use crate::cuda::{self, TrimLists, abi, evaluate::Staged, scene::SceneOnDevice};
 use crate::scene::{Camera, PatchTrim, Scene};
-use crate::vulkan::{Rasterizer, VulkanError};
+use crate::vulkan::Rasterizer;
 use glam::Vec4;
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::AtomicU64;
-use thiserror::Error;
 
 /// Patches one task culls and estimates.
 const CHUNK: usize = 128;
@@ -45,40 +47,6 @@ pub struct Pixel {
     pub depth: f32,
     /// The spare buffer decided this pixel.
     pub filled: bool,
-}
-
-/// Why a frame could not be made.
-#[derive(Clone, Debug, PartialEq, Error)]
-pub enum RenderError {
-    #[error("face {face}, patch {patch} would be split into more than {limit} pieces at this view")]
-    TooManyLeaves { face: u32, patch: u32, limit: usize },
-    #[error("face {face}, patch {patch} can't be split finely enough in f64 for this view: give a smaller --zoom")]
-    TooClose { face: u32, patch: u32 },
-    #[error("face {face}, patch {patch} needs a grid of more than {limit} quads however it is split")]
-    GridTooLarge { face: u32, patch: u32, limit: u64 },
-    #[error("this view needs {needed} meshlets; a frame holds {limit}")]
-    TooManyMeshlets { needed: u64, limit: u64 },
-    #[error(
-        "this view needs more than {limit} grid vertices: give a larger --tolerance or --depth-tolerance, or a smaller \
-         --zoom or --size"
-    )]
-    TooManyVertices { limit: u64 },
-    #[error("a tolerance of {tolerance} px is below what snapping and rounding take ({floor:.4} px)")]
-    ToleranceTooSmall { tolerance: f64, floor: f64 },
-    #[error("the model is {size:e} units large; what is drawn in f32 measures 1e-30 to 1e30: scale it")]
-    ModelSize { size: f64 },
-    #[error("the CPU evaluates in f32 alone: use --backend cuda or --backend emulated")]
-    NoTensorCores,
-    #[error("pictures that explain a frame are painted of grids in f32: use --precision f32, or --show shaded")]
-    NotExplained,
-    #[error("--raster hybrid and hardware draw the frames of --backend cpu alone in this version")]
-    NotByHardware,
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-    #[error("--raster: {0}")]
-    Vulkan(#[from] VulkanError),
-    #[error("the slefe bound covers polynomial patches up to degree 7; face {face} is {what}")]
-    SlefeUnsupported { face: u32, what: String },
 }
 
 /// Image buffers, kept from frame to frame.
@@ -129,6 +97,8 @@ pub struct Renderer<'a> {
     spare_targets: Option<Targets>,
     /// Made when a frame first asks for it.
     pub(super) hardware: Option<Rasterizer>,
+    /// The scene's, where hardware has drawn trimmed faces.
+    pub(super) trim_lists: Option<Arc<TrimLists>>,
 }
 
 /// What the geometry stages make of all patches.
@@ -155,6 +125,7 @@ impl<'a> Renderer<'a> {
             tables: BasisTables::new(),
             spare_targets: None,
             hardware: None,
+            trim_lists: None,
         }
     }
 
@@ -197,12 +168,12 @@ impl<'a> Renderer<'a> {
         let mut targets = self.take_targets(camera.size);
         let pen = |(leaf, grid)| self.pen(&lens, options, leaf, grid, &leaves.nets);
         let pens: Vec<Pen> = leaves.leaves.par_iter().zip(&grids).map(pen).collect();
-        let hardware = self.routes(options, &lens, &leaves, &grids);
-        let software = |k: &u32| !hardware.takes(meshlets.meshlets[*k as usize].leaf);
+        let drawn = Geometries { lens: &lens, options, leaves: &leaves, grids: &grids, meshlets: &meshlets };
+        let routes = self.routes(&drawn)?;
+        let software = |k: &u32| !routes.draws(&meshlets.meshlets[*k as usize]);
         let numbers = (0..meshlets.meshlets.len() as u32).filter(software);
         rasterize(&meshlets, numbers, &pens, options, camera.size, &mut targets);
-        let triangles_hardware =
-            self.rasterize_by_hardware(&lens, options, &leaves, &grids, &meshlets, &hardware, &mut targets)?;
+        let hardware = self.rasterize_by_hardware(&drawn, &routes, &mut targets)?;
         clock.stage("rasterize");
         let Leaves { leaves, nets, patches_visible } = leaves;
         let mut shader = Shader {
@@ -216,7 +187,7 @@ impl<'a> Renderer<'a> {
             textures: Vec::new(),
         };
         shader.textures = textures(&shader);
-        let trim = meshlets.trim.plus(trim(&shader, &pens, &mut targets));
+        let trim = meshlets.trim.plus(trim(&shader, &pens, &routes, &hardware.listed, &mut targets));
         clock.stage("trim");
         let mut filled = fill(&meshlets, options, camera.size, &mut targets);
         clock.stage("fill");
@@ -230,7 +201,7 @@ impl<'a> Renderer<'a> {
             meshlets: meshlets.meshlets.len() as u64,
             quads: meshlets.quads,
             triangles: 2 * meshlets.quads,
-            triangles_hardware,
+            triangles_hardware: hardware.triangles,
             filled: filled.len() as u64,
             drawn: targets.near.par_iter().filter(|&&word| word != 0).count() as u64,
             trim,

@@ -1,35 +1,62 @@
 //! rasterize by hardware: which leaves go there, and what comes back (ETER section 6.2).
 
 use super::cull::{Leaf, Leaves};
+use super::error::RenderError;
 use super::estimate::Tessellation;
-use super::evaluate::{Meshlets, Vertex};
-use super::frame::{RenderError, Renderer, Targets};
+use super::evaluate::{Meshlet, Meshlets, Vertex};
+use super::fill::is_tested_alone;
+use super::frame::{Renderer, Targets};
 use super::lens::Lens;
 use super::rasterize::BAND;
-use super::{Options, Raster};
-use crate::cuda::abi;
-use crate::vulkan::{Device, Input, Rasterizer, Validation};
+use super::{Options, Raster, Trim};
+use crate::cuda::{TrimLists, abi};
+use crate::vulkan::{Device, Drawn, Input, Rasterizer, Validation};
 use glam::Vec2;
 use rayon::prelude::*;
 
-/// Pixels along the longer side of a quad from which on hardware draws a leaf; not measured yet.
-const LARGE: f32 = 32.0;
-
 /// The leaves that hardware draws: whole ones, so that all of a leaf's triangles go one way.
-pub(super) enum Routes {
-    Software,
-    Hardware,
+#[derive(Debug)]
+pub(super) struct Routes {
+    leaves: Taken,
+    /// Trims are textures, which software looks up.
+    textured: bool,
+}
+
+#[derive(Debug)]
+enum Taken {
+    None,
+    All,
     /// By leaf.
-    Both(Vec<bool>),
+    Some(Vec<bool>),
+}
+
+/// What the geometry stages hand to the rasterisers.
+#[derive(Clone, Copy)]
+pub(super) struct Geometries<'a> {
+    pub lens: &'a Lens,
+    pub options: &'a Options,
+    pub leaves: &'a Leaves,
+    pub grids: &'a [Tessellation],
+    pub meshlets: &'a Meshlets,
+}
+
+/// What hardware did in a frame, besides words.
+#[derive(Debug, Default)]
+pub(super) struct ByHardware {
+    /// How many it was given.
+    pub triangles: u64,
+    /// Near trim curves: left to `trim`.
+    pub listed: Vec<abi::Fragment>,
 }
 
 impl Routes {
-    pub fn takes(&self, leaf: u32) -> bool {
-        match self {
-            Routes::Software => false,
-            Routes::Hardware => true,
-            Routes::Both(leaves) => leaves[leaf as usize],
-        }
+    pub fn draws(&self, meshlet: &Meshlet) -> bool {
+        let takes = match &self.leaves {
+            Taken::None => false,
+            Taken::All => true,
+            Taken::Some(leaves) => leaves[meshlet.leaf as usize],
+        };
+        takes && !(meshlet.tested && self.textured)
     }
 }
 
@@ -69,42 +96,54 @@ impl Renderer<'_> {
         self.hardware = Some(rasterizer);
     }
 
-    pub(super) fn routes(&self, options: &Options, lens: &Lens, leaves: &Leaves, grids: &[Tessellation]) -> Routes {
-        let large = |(leaf, grid): (&Leaf, &Tessellation)| {
-            let net = &leaves.nets[leaf.net as usize..leaf.net as usize + leaf.points()];
-            quad_side(leaf, grid, net, lens.perspective) >= LARGE
-        };
-        match options.raster {
-            Raster::Auto | Raster::Software => Routes::Software,
-            Raster::Hardware => Routes::Hardware,
-            Raster::Hybrid => Routes::Both(leaves.leaves.par_iter().zip(grids).map(large).collect()),
-        }
+    /// What draws by hardware: made when it is first asked for.
+    fn hardware(&mut self) -> Result<&mut Rasterizer, RenderError> {
+        Ok(match &mut self.hardware {
+            Some(rasterizer) => rasterizer,
+            none => none.insert(Rasterizer::new(Device::new(Validation::Off, None)?)?),
+        })
     }
 
-    /// Draws what is routed to the hardware into buffers that have been begun; returns how many triangles that were.
+    pub(super) fn routes(&mut self, drawn: &Geometries) -> Result<Routes, RenderError> {
+        let Geometries { lens, options, leaves, grids, .. } = *drawn;
+        let from = match options.raster {
+            Raster::Hybrid => options.large.map_or_else(|| self.hardware().map(|h| h.large()), Ok)?,
+            _ => 0.0,
+        };
+        let large = |(leaf, grid): (&Leaf, &Tessellation)| {
+            let net = &leaves.nets[leaf.net as usize..leaf.net as usize + leaf.points()];
+            quad_side(leaf, grid, net, lens.perspective) >= from as f32
+        };
+        let leaves = match options.raster {
+            Raster::Auto | Raster::Software => Taken::None,
+            Raster::Hardware => Taken::All,
+            Raster::Hybrid => Taken::Some(leaves.leaves.par_iter().zip(grids).map(large).collect()),
+        };
+        Ok(Routes { leaves, textured: options.trim == Trim::Texture })
+    }
+
+    /// Draws what is routed to the hardware into buffers that have been begun; returns what else came of it.
     pub(super) fn rasterize_by_hardware(
         &mut self,
-        lens: &Lens,
-        options: &Options,
-        leaves: &Leaves,
-        grids: &[Tessellation],
-        meshlets: &Meshlets,
+        drawn: &Geometries,
         routes: &Routes,
         targets: &mut Targets,
-    ) -> Result<u64, RenderError> {
-        if matches!(routes, Routes::Software) {
-            return Ok(0);
+    ) -> Result<ByHardware, RenderError> {
+        let Geometries { lens, options, leaves, grids, meshlets } = *drawn;
+        if matches!(routes.leaves, Taken::None) {
+            return Ok(ByHardware::default());
         }
-        let all = meshlets.meshlets.iter().enumerate();
-        let drawn = all.filter(|(_, m)| !m.tested && routes.takes(m.leaf)).map(|(k, _)| k as u32);
-        let numbers: Vec<u32> = drawn.collect();
+        let drawn = meshlets.meshlets.iter().enumerate().filter(|(_, m)| routes.draws(m));
+        let numbers: Vec<u32> = drawn.map(|(k, _)| k as u32).collect();
+        if numbers.is_empty() {
+            return Ok(ByHardware::default());
+        }
+        let tested = numbers.iter().any(|&k| meshlets.meshlets[k as usize].tested);
+        let scene = self.scene;
+        let trims = tested.then(|| self.trim_lists.get_or_insert_with(|| TrimLists::new(&scene.trims).into()).clone());
         let staged = self.staged_of(lens, options, leaves, grids, meshlets);
         let vertex = |v: &Vertex| abi::Vertex { x: v.x, y: v.y, depth: v.depth, weight: v.weight };
         let vertices: Vec<abi::Vertex> = meshlets.vertices.par_iter().map(vertex).collect();
-        let rasterizer = match &mut self.hardware {
-            Some(rasterizer) => rasterizer,
-            none => none.insert(Rasterizer::new(Device::new(Validation::Off, None)?)?),
-        };
         let input = Input {
             size: lens.size,
             fill: options.fill,
@@ -113,10 +152,13 @@ impl Renderer<'_> {
             meshlets: &staged.meshlets,
             vertices: &vertices,
             numbers: &numbers,
+            trims: trims.as_ref(),
+            alone: is_tested_alone(options),
         };
-        rasterizer.draw(&input, |near, spare| merge(lens.size[0] as usize * BAND, near, spare, targets))?;
+        let Drawn { near, spare, listed } = self.hardware()?.draw(&input)?;
+        merge(lens.size[0] as usize * BAND, near, spare, targets);
         let triangles = |&k: &u32| 2 * meshlets.meshlets[k as usize].quads.map(u64::from).iter().product::<u64>();
-        Ok(numbers.iter().map(triangles).sum())
+        Ok(ByHardware { triangles: numbers.iter().map(triangles).sum(), listed: listed.to_vec() })
     }
 }
 

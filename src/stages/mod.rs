@@ -6,6 +6,7 @@ mod cone;
 pub(crate) mod cull;
 mod device;
 mod device_geometry;
+mod error;
 pub(crate) mod estimate;
 pub(crate) mod evaluate;
 mod fill;
@@ -37,7 +38,8 @@ mod tests;
 
 pub use device::Engine;
 pub use device_geometry::GeometryCounts;
-pub use frame::{Frame, Pixel, RenderError, Renderer};
+pub use error::RenderError;
+pub use frame::{Frame, Pixel, Renderer};
 pub use options::{Bound, Cull, Fill, FrameShape, Grid, Interpolation, Options, Precision, Raster, Show, Trim};
 pub use stats::{STAGES, StageTime, Stats};
 pub use trim::TrimCounts;

@@ -131,6 +131,9 @@ pub struct Options {
     pub show: Show,
     pub frame: FrameShape,
     pub raster: Raster,
+    /// Pixels along the longer side of a quad from which on `Raster::Hybrid` gives its leaf to hardware; `None`: what `bench
+    /// raster` found for the device. Changes no pixel.
+    pub large: Option<f64>,
     /// Of evaluation on a device; the CPU has f32 alone.
     pub precision: Precision,
     /// Newton steps towards the pixel centre; 0 is the papers' way.
@@ -152,6 +155,7 @@ impl Default for Options {
             show: Show::Shaded,
             frame: FrameShape::Fused,
             raster: Raster::Auto,
+            large: None,
             precision: Precision::F32,
             refine: 2,
             tolerance: 0.5,

@@ -10,6 +10,7 @@ use super::estimate::Tessellation;
 use super::evaluate::Meshlet;
 use super::fill::is_tested_alone;
 use super::frame::Targets;
+use super::hardware::Routes;
 use super::interpolate::Shown;
 use super::newton::{Batch, LANES};
 use super::rasterize::{BAND, Band, Bins, Coverage, faces_away, outlines};
@@ -21,6 +22,7 @@ use super::trim_cut::{Cut, keeps};
 use super::trim_marks::{BLOCK, Line, Marks, Rows, each_bit, lines, lowest_run};
 use super::trim_quad::Quad;
 use super::{Fill, trim_texture};
+use crate::cuda::abi;
 use crate::scene::Region;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -72,8 +74,15 @@ struct Trimmer<'a> {
     curves: Vec<u32>,
 }
 
-/// Draws the meshlets that trim curves cross into the buffers that `rasterize` left.
-pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> TrimCounts {
+/// Draws the meshlets that trim curves cross into the buffers that `rasterize` left: those that hardware has not drawn, and
+/// the fragments of others that it has listed.
+pub(super) fn trim(
+    shader: &Shader,
+    pens: &[Pen],
+    routes: &Routes,
+    listed: &[abi::Fragment],
+    targets: &mut Targets,
+) -> TrimCounts {
     let width = shader.lens.size[0] as usize;
     let meshlets = &shader.meshlets.meshlets;
     // The nearest first: what they hide needs no test.
@@ -82,12 +91,14 @@ pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> Trim
         let vertices = &shader.meshlets.vertices[m.vertices as usize..][..count];
         vertices.iter().fold(0.0f32, |depth, v| depth.max(v.depth))
     };
-    let tested = meshlets.iter().enumerate().filter(|(_, m)| m.tested);
+    let boundary = meshlets.iter().filter(|m| m.tested).count() as u64;
+    let tested = meshlets.iter().enumerate().filter(|(_, m)| m.tested && !routes.draws(m));
     let mut order: Vec<(f32, u32)> = tested.map(|(k, m)| (nearest(m), k as u32)).collect();
     let textures = trim_texture::counts(&shader.textures);
-    if order.is_empty() {
+    if boundary == 0 {
         return textures;
     }
+    let listed = in_order(listed, (width * BAND) as u32);
     order.par_sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     let bins = Bins::new(meshlets, order.iter().map(|&(_, k)| k), (shader.lens.size[1] as usize).div_ceil(BAND));
     let bands = targets.near.par_chunks_mut(width * BAND).zip(targets.spare.par_chunks_mut(width * BAND));
@@ -107,14 +118,37 @@ pub(super) fn trim(shader: &Shader, pens: &[Pen], targets: &mut Targets) -> Trim
         for &number in bins.of(k) {
             trimmer.meshlet(number, pens, &mut band);
         }
+        let first = (k * width * BAND) as u32;
+        let from = listed.partition_point(|f| f.pixel < first);
+        let of_band =
+            &listed[from..from + listed[from..].partition_point(|f| f.pixel < first + band.near.len() as u32)];
+        for fragments in of_band.chunk_by(|a, b| meshlet_of(a.word) == meshlet_of(b.word)) {
+            trimmer.decide(fragments, first, &mut band);
+        }
         trimmer.counts
     });
     let mut counts = counts.reduce(TrimCounts::default, TrimCounts::plus);
-    counts.meshlets_boundary = order.len() as u64;
+    counts.meshlets_boundary = boundary;
     counts.plus(textures)
 }
 
+/// By bands of so many pixels, and by meshlets in them: in one order, whatever order they were found in.
+fn in_order(listed: &[abi::Fragment], band: u32) -> Vec<abi::Fragment> {
+    let mut listed = listed.to_vec();
+    listed.par_sort_unstable_by_key(|f| (f.pixel / band, meshlet_of(f.word), f.pixel, f.word));
+    listed
+}
+
 impl Trimmer<'_> {
+    /// Fragments of one meshlet in one band, which begins with the pixel `first`.
+    fn decide(&mut self, fragments: &[abi::Fragment], first: u32, band: &mut Band) {
+        let Shader { scene, lens, options, meshlets, leaves, .. } = *self.shader;
+        let leaf = meshlets.meshlets[meshlet_of(fragments[0].word) as usize].leaf;
+        let Some(cut) = Cut::new(scene, lens, options, &leaves[leaf as usize]) else { return };
+        self.queue.extend(fragments.iter().map(|f| (f.pixel - first, f.word)));
+        self.flush(&cut, leaf, band);
+    }
+
     fn meshlet(&mut self, number: u32, pens: &[Pen], band: &mut Band) {
         let Shader { scene, lens, options, meshlets, leaves, grids, .. } = *self.shader;
         let meshlet = &meshlets.meshlets[number as usize];

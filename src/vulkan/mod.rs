@@ -11,6 +11,8 @@
 //! | `device.rs` | what a device must have, and what is missing where it can't be used |
 //! | `memory.rs` | buffers with addresses |
 //! | `pipeline.rs` | mesh pipelines of `vk_shaders/` |
+//! | `trims.rs` | trim trees, and fragments that only the exact surface can decide |
+//! | `threshold.rs` | what each device has been measured to be good for |
 //! | `rasterize.rs` | a frame's meshlets into its two buffers of words |
 //! | `recorder.rs` | one list of commands, run to its end, and timed |
 //! | `tessellation.rs` | what frames do not use: evaluation by fixed-function tessellation (ETER, table 3; Yeo 2012) |
@@ -33,12 +35,14 @@ mod tessellation;
 mod tessellation_borders;
 mod tessellation_pieces;
 mod tessellation_pipelines;
+pub mod threshold;
+mod trims;
 
 pub use device::{Device, Found, devices};
 pub use evaluated::Evaluated;
 pub use instance::{Instance, Validation};
-pub use rasterize::{Input, Rasterizer};
-pub use tessellation::{Parameters, Sample, Tessellated, Tessellation, Tessellator};
+pub use rasterize::{Drawn, Input, Rasterizer};
+pub use tessellation::{Parameters, Sample, Tessellated, Tessellation, Tessellator, with_factor};
 pub use tessellation_borders::Borders;
 pub use tessellation_pieces::{EdgeFactors, Piece};
 

@@ -20,6 +20,7 @@ pub(super) struct Push {
     pub numbers: u64,
     pub near: u64,
     pub spare: u64,
+    pub trims: u64,
     /// First of `numbers`, how many are drawn, and how many meshlets there are.
     pub first: u32,
     pub count: u32,
@@ -46,12 +47,14 @@ pub(super) enum Kind {
     Conservative = 4,
 }
 
-/// A pipeline for each kind.
+const KINDS: [Kind; 6] = [Kind::Triangles, Kind::Far, Kind::Borders, Kind::Folds, Kind::TurnedAway, Kind::Conservative];
+
+/// A pipeline for each kind of what no trim curve crosses, and, once they are asked for, of what curves cross.
 pub(super) struct Pipelines {
     device: Arc<Device>,
     pub layout: vk::PipelineLayout,
     modules: Vec<vk::ShaderModule>,
-    all: Vec<(Kind, vk::Pipeline)>,
+    all: [Vec<vk::Pipeline>; 2],
 }
 
 const SHADERS: [&[u8]; 4] = [
@@ -70,20 +73,28 @@ impl Pipelines {
         // SAFETY: `info` is valid and the device is alive.
         let layout = unsafe { device.raw.create_pipeline_layout(&info, None) };
         let layout = layout.map_err(VulkanError::of("vkCreatePipelineLayout"))?;
-        let mut pipelines = Self { device: device.clone(), layout, modules: Vec::new(), all: Vec::new() };
+        let mut pipelines = Self { device: device.clone(), layout, modules: Vec::new(), all: Default::default() };
         for code in SHADERS {
             let module = pipelines.module(code)?;
             pipelines.modules.push(module);
         }
-        for kind in [Kind::Triangles, Kind::Far, Kind::Borders, Kind::Folds, Kind::TurnedAway, Kind::Conservative] {
-            let pipeline = pipelines.pipeline(kind)?;
-            pipelines.all.push((kind, pipeline));
-        }
+        pipelines.make(false)?;
         Ok(pipelines)
     }
 
-    pub fn of(&self, kind: Kind) -> vk::Pipeline {
-        self.all.iter().find(|(k, _)| *k == kind).map_or(vk::Pipeline::null(), |(_, pipeline)| *pipeline)
+    /// Makes those that are not there yet.
+    pub fn make(&mut self, trimmed: bool) -> Result<(), VulkanError> {
+        while let Some(&kind) = KINDS.get(self.all[usize::from(trimmed)].len()) {
+            let pipeline = self.pipeline(kind, trimmed)?;
+            self.all[usize::from(trimmed)].push(pipeline);
+        }
+        Ok(())
+    }
+
+    /// One that `make` has made.
+    pub fn of(&self, kind: Kind, trimmed: bool) -> vk::Pipeline {
+        let place = KINDS.iter().position(|k| *k == kind);
+        place.and_then(|k| self.all[usize::from(trimmed)].get(k)).copied().unwrap_or_default()
     }
 
     fn module(&self, code: &[u8]) -> Result<vk::ShaderModule, VulkanError> {
@@ -93,14 +104,16 @@ impl Pipelines {
         unsafe { self.device.raw.create_shader_module(&info, None) }.map_err(VulkanError::of("vkCreateShaderModule"))
     }
 
-    fn pipeline(&self, kind: Kind) -> Result<vk::Pipeline, VulkanError> {
+    fn pipeline(&self, kind: Kind, trimmed: bool) -> Result<vk::Pipeline, VulkanError> {
         let first = if kind == Kind::Triangles { 0 } else { 2 };
-        let entries = [vk::SpecializationMapEntry::default().size(4)];
-        let number = (kind as u32).to_ne_bytes();
-        let special = vk::SpecializationInfo::default().map_entries(&entries).data(&number);
+        // KIND and TRIMMED.
+        let entry = |id| vk::SpecializationMapEntry::default().constant_id(id).offset(4 * id).size(4);
+        let entries = [entry(0), entry(1)];
+        let constants: Vec<u8> = [kind as u32, u32::from(trimmed)].into_iter().flat_map(u32::to_ne_bytes).collect();
+        let special = vk::SpecializationInfo::default().map_entries(&entries).data(&constants);
         let stage = |stage, module| {
             let info = vk::PipelineShaderStageCreateInfo::default().stage(stage).module(module).name(c"main");
-            if kind == Kind::Triangles { info } else { info.specialization_info(&special) }
+            info.specialization_info(&special)
         };
         let stages = [
             stage(vk::ShaderStageFlags::MESH_EXT, self.modules[first]),
@@ -133,7 +146,7 @@ impl Drop for Pipelines {
     fn drop(&mut self) {
         // SAFETY: the device is done with them: `Rasterizer` waits for all that it has asked for.
         unsafe {
-            self.all.iter().for_each(|(_, pipeline)| self.device.raw.destroy_pipeline(*pipeline, None));
+            self.all.iter().flatten().for_each(|pipeline| self.device.raw.destroy_pipeline(*pipeline, None));
             self.modules.iter().for_each(|module| self.device.raw.destroy_shader_module(*module, None));
             self.device.raw.destroy_pipeline_layout(self.layout, None);
         }

@@ -2,8 +2,10 @@
 
 use super::memory::{Buffer, Use};
 use super::pipeline::{Kind, PUSH_BYTES, Pipelines, Push};
+use super::threshold;
+use super::trims::Trims;
 use super::{Device, VulkanError};
-use crate::cuda::{Pod, abi};
+use crate::cuda::{Pod, TrimLists, abi};
 use crate::stages::Fill;
 use ash::vk;
 use std::sync::Arc;
@@ -27,6 +29,19 @@ pub struct Input<'a> {
     pub vertices: &'a [abi::Vertex],
     /// The meshlets that are drawn; none of them twice.
     pub numbers: &'a [u32],
+    /// Of the scene, where `tested` meshlets are among them.
+    pub trims: Option<&'a Arc<TrimLists>>,
+    /// Fragments stay as they are: strokes' own parameters are tested.
+    pub alone: bool,
+}
+
+/// What became of a frame: by pixel, row by row, words of centre-covered fragments and of those that may close a crack, 0 where
+/// there are none; and, in no order, fragments near trim curves, which only the exact surface can decide.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn<'a> {
+    pub near: &'a [u64],
+    pub spare: &'a [u64],
+    pub listed: &'a [abi::Fragment],
 }
 
 /// Draws meshlets; keeps its buffers from frame to frame.
@@ -38,6 +53,8 @@ pub struct Rasterizer {
     commands: vk::CommandBuffer,
     done: vk::Fence,
     device: Arc<Device>,
+    /// Pixels along the longer side of a quad from which on it is worth drawing here.
+    large: f64,
 }
 
 #[derive(Default)]
@@ -50,16 +67,31 @@ struct Buffers {
     near: Option<Buffer>,
     spare: Option<Buffer>,
     words: [Option<Buffer>; 2],
+    trims: Option<Trims>,
 }
 
 /// What one frame is drawn with.
 struct Frame<'a> {
     input: Input<'a>,
     push: Push,
-    /// Meshlets drawn, and behind them in the list those that reach beyond the viewport.
-    near: u32,
+    /// Meshlets that no trim curve crosses, and those that some cross.
+    lists: [List; 2],
+    /// From where to where words are copied for the host, and what trimming lists.
+    copies: Vec<Copied>,
+}
+
+/// Meshlets in the list of numbers, and right behind them those of them that reach beyond the viewport.
+#[derive(Clone, Copy, Debug, Default)]
+struct List {
+    first: u32,
+    all: u32,
     far: u32,
-    words: [(vk::Buffer, vk::Buffer); 2],
+}
+
+struct Copied {
+    from: vk::Buffer,
+    to: vk::Buffer,
+    bytes: u64,
 }
 
 impl Rasterizer {
@@ -77,6 +109,7 @@ impl Rasterizer {
             pool,
             commands: vk::CommandBuffer::null(),
             done: vk::Fence::null(),
+            large: threshold::stored(&device.found).unwrap_or(threshold::UNMEASURED),
             device,
         };
         let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
@@ -94,34 +127,49 @@ impl Rasterizer {
         &self.device
     }
 
-    /// Draws meshlets into buffers of their own and hands each pixel's words, centre-covered and spare, to `found` as two
-    /// lists, row by row. 0: nothing.
-    pub fn draw(&mut self, input: &Input, found: impl FnOnce(&[u64], &[u64])) -> Result<(), VulkanError> {
+    /// Pixels along the longer side of a quad from which on this device draws it faster than software, as far as that has been
+    /// measured.
+    pub fn large(&self) -> f64 {
+        self.large
+    }
+
+    /// Draws meshlets into buffers of their own.
+    pub fn draw(&mut self, input: &Input) -> Result<Drawn<'_>, VulkanError> {
         let [width, height] = input.size;
         if width.max(height) > self.device.largest {
             let (limit, device) = (self.device.largest, self.device.found.name.clone());
             return Err(VulkanError::ImageTooLarge { width, height, limit, device });
         }
-        let frame = self.upload(input)?;
-        self.record(&frame)?;
-        self.run()?;
+        loop {
+            let frame = self.upload(input)?;
+            self.record(&frame)?;
+            self.run()?;
+            let trims = self.buffers.trims.as_mut().filter(|_| input.trims.is_some());
+            if trims.map_or(Ok(true), |trims| trims.has_room(&self.device))? {
+                break;
+            }
+        }
         let pixels = width as usize * height as usize;
-        let [near, spare] = &self.buffers.words;
-        let words =
-            |buffer: &Option<Buffer>| buffer.as_ref().map_or(&[][..], |b| b.read::<u64>(pixels)) as *const [u64];
-        let (near, spare) = (words(near), words(spare));
-        // SAFETY: the slices are the buffers' own, which nothing touches before `found` returns.
-        unsafe { found(&*near, &*spare) };
-        Ok(())
+        let [near, spare] =
+            self.buffers.words.each_ref().map(|words| words.as_ref().map_or(&[][..], |w| w.read(pixels)));
+        let trims = self.buffers.trims.as_ref().filter(|_| input.trims.is_some());
+        Ok(Drawn { near, spare, listed: trims.map_or(&[], Trims::found) })
     }
 
     fn upload<'a>(&mut self, input: &Input<'a>) -> Result<Frame<'a>, VulkanError> {
-        let Self { device, buffers, .. } = self;
+        let Self { device, buffers, pipelines, .. } = self;
         let middle = input.size.map(|n| n as i32 / 2);
         let mut push = Push { size: input.size, middle, half_viewport: device.half_viewport as i32, ..Push::default() };
-        let far = |number: &u32| is_far(input, *number, &push);
-        let numbers: Vec<u32> =
-            input.numbers.iter().copied().chain(input.numbers.iter().copied().filter(far)).collect();
+        let (mut numbers, mut lists) = (Vec::new(), [List::default(); 2]);
+        for (tested, list) in lists.iter_mut().enumerate() {
+            let of = |number: &u32| usize::from(input.meshlets[*number as usize].tested) == tested;
+            list.first = numbers.len() as u32;
+            numbers.extend(input.numbers.iter().copied().filter(of));
+            list.all = numbers.len() as u32 - list.first;
+            let far = |number: &u32| of(number) && is_far(input, *number, &push);
+            numbers.extend(input.numbers.iter().copied().filter(far));
+            list.far = numbers.len() as u32 - list.first - list.all;
+        }
         push.patches = filled(device, &mut buffers.patches, input.patches)?;
         push.leaves = filled(device, &mut buffers.leaves, input.leaves)?;
         push.meshlets = filled(device, &mut buffers.meshlets, input.meshlets)?;
@@ -133,12 +181,19 @@ impl Rasterizer {
         let spare = room(device, &mut buffers.spare, bytes, Use::Shaders)?;
         (push.near, push.spare) = (near.address, spare.address);
         let [near_words, spare_words] = &mut buffers.words;
-        let words = [
-            (near.raw, room(device, near_words, bytes, Use::Download)?.raw),
-            (spare.raw, room(device, spare_words, bytes, Use::Download)?.raw),
+        let mut copies = vec![
+            Copied { from: near.raw, to: room(device, near_words, bytes, Use::Download)?.raw, bytes },
+            Copied { from: spare.raw, to: room(device, spare_words, bytes, Use::Download)?.raw, bytes },
         ];
-        let near = input.numbers.len() as u32;
-        Ok(Frame { input: *input, push, near, far: numbers.len() as u32 - near, words })
+        if let Some(lists) = input.trims {
+            pipelines.make(true)?;
+            let trims = Trims::of(device, &mut buffers.trims, lists)?;
+            push.trims = trims.tell(input.alone);
+            let (count, listed) = (size_of::<u64>() as u64, trims.listed.bytes());
+            copies.push(Copied { from: trims.count.raw, to: trims.counted.raw, bytes: count });
+            copies.push(Copied { from: trims.queue.raw, to: trims.listed.raw, bytes: listed });
+        }
+        Ok(Frame { input: *input, push, lists, copies })
     }
 
     fn record(&self, frame: &Frame) -> Result<(), VulkanError> {
@@ -148,8 +203,9 @@ impl Rasterizer {
         // comes after this frame.
         unsafe {
             raw.begin_command_buffer(commands, &once).map_err(VulkanError::of("vkBeginCommandBuffer"))?;
-            for (words, _) in frame.words {
-                raw.cmd_fill_buffer(commands, words, 0, vk::WHOLE_SIZE, 0);
+            // The queue of fragments may keep what it had: its count says how many there are.
+            for Copied { from, .. } in frame.copies.iter().take(3) {
+                raw.cmd_fill_buffer(commands, *from, 0, vk::WHOLE_SIZE, 0);
             }
         }
         self.barrier(vk::PipelineStageFlags2::CLEAR, vk::PipelineStageFlags2::FRAGMENT_SHADER);
@@ -164,13 +220,9 @@ impl Rasterizer {
             Fill::Eter | Fill::Conservative => self.pass(frame, &[(Kind::Conservative, 98u32.div_ceil(ITEMS))]),
         }
         self.barrier(vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::PipelineStageFlags2::COPY);
-        let [width, height] = frame.input.size.map(u64::from);
-        let all = [vk::BufferCopy::default().size(width * height * size_of::<u64>() as u64)];
-        // SAFETY: as above; both buffers have that room.
-        unsafe {
-            for (from, to) in frame.words {
-                raw.cmd_copy_buffer(commands, from, to, &all);
-            }
+        for &Copied { from, to, bytes } in &frame.copies {
+            // SAFETY: as above; both buffers have that room.
+            unsafe { raw.cmd_copy_buffer(commands, from, to, &[vk::BufferCopy::default().size(bytes)]) };
         }
         self.barrier(vk::PipelineStageFlags2::COPY, vk::PipelineStageFlags2::HOST);
         // SAFETY: the commands were begun above.
@@ -198,22 +250,27 @@ impl Rasterizer {
             raw.cmd_set_viewport(commands, 0, &[viewport]);
             raw.cmd_set_scissor(commands, 0, &[area]);
         }
-        for &(kind, groups) in kinds {
-            let (first, count) = if kind == Kind::Far { (frame.near, frame.far) } else { (0, frame.near) };
-            self.meshlets(kind, groups, first, count, &frame.push);
+        for (trimmed, list) in [false, true].into_iter().zip(frame.lists) {
+            for &(kind, groups) in kinds {
+                let far = (list.first + list.all, list.far);
+                let (first, count) = if kind == Kind::Far { far } else { (list.first, list.all) };
+                if count > 0 {
+                    self.meshlets(self.pipelines.of(kind, trimmed), groups, first, count, &frame.push);
+                }
+            }
         }
         // SAFETY: as above.
         unsafe { raw.cmd_end_rendering(commands) };
     }
 
     /// One kind of a list's meshlets, in as many draws as it takes.
-    fn meshlets(&self, kind: Kind, groups: u32, first: u32, count: u32, push: &Push) {
+    fn meshlets(&self, pipeline: vk::Pipeline, groups: u32, first: u32, count: u32, push: &Push) {
         let (raw, commands) = (&self.device.raw, self.commands);
         let stages = vk::ShaderStageFlags::MESH_EXT | vk::ShaderStageFlags::FRAGMENT;
         let most = MOST_IN_ALL / groups / MOST_GROUPS * MOST_GROUPS;
         let end = first + count;
         // SAFETY: as in `pass`.
-        unsafe { raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, self.pipelines.of(kind)) };
+        unsafe { raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, pipeline) };
         for first in (first..end).step_by(most as usize) {
             let count = most.min(end - first);
             let push = Push { first, count: first + count, ..*push };

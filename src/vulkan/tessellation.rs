@@ -38,6 +38,11 @@ pub struct Tessellation<'a> {
     pub parameters: Parameters,
 }
 
+/// The same patches with the same factor all around: 64 in ETER's table 3, which is 65 x 65 vertices a patch.
+pub fn with_factor(patches: &[abi::Patch], factor: u16) -> Vec<abi::Patch> {
+    patches.iter().map(|patch| abi::Patch { quads: [factor; 2], ..*patch }).collect()
+}
+
 /// A vertex as the evaluation shader emitted it. What hardware never asked for is NaN.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]

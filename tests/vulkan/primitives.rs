@@ -115,11 +115,11 @@ impl Scene {
             meshlets: &self.meshlets,
             vertices: &self.vertices,
             numbers: &numbers,
+            trims: None,
+            alone: false,
         };
-        let mut words = [Vec::new(), Vec::new()];
-        let found = |near: &[u64], spare: &[u64]| words = [near.to_vec(), spare.to_vec()];
-        rasterizer.draw(&input, found).expect("a frame");
-        words
+        let drawn = rasterizer.draw(&input).expect("a frame");
+        [drawn.near.to_vec(), drawn.spare.to_vec()]
     }
 
     /// The two triangles of a quad, as its diagonal goes.
@@ -298,6 +298,8 @@ fn folds_are_drawn_where_the_sense_of_rotation_changes() {
             meshlets: &[meshlet],
             vertices: &corners.map(|[x, y]| abi::Vertex { x, y, depth: 0.5, weight: 1.0 }),
             numbers: &[0],
+            trims: None,
+            alone: false,
         };
         // (0,0) (0,1) (1,0) (1,1) (2,0) (2,1), cut from (i, j) to (i + 1, j + 1).
         let c = corners.map(|c| c.map(i128::from));
@@ -310,8 +312,8 @@ fn folds_are_drawn_where_the_sense_of_rotation_changes() {
                 fold && strokes([c[a], c[b], c[a]], i128::from(pen), centre)
             })
         };
-        let mut words = [Vec::new(), Vec::new()];
-        rasterizer.draw(&input, |near, spare| words = [near.to_vec(), spare.to_vec()]).expect("a frame");
+        let found = rasterizer.draw(&input).expect("a frame");
+        let words = [found.near, found.spare];
         for (pixel, centre) in centres() {
             let hidden = words[0][pixel] != 0;
             let found = words[1][pixel] != 0;
@@ -319,5 +321,23 @@ fn folds_are_drawn_where_the_sense_of_rotation_changes() {
             assert!(!found || low(words[1][pixel]) == FOLD);
         }
     }
+    assert_silent(&rasterizer);
+}
+
+/// More meshlets than one row of workgroups has.
+#[test]
+fn many_meshlets_are_all_drawn() {
+    let Some(mut rasterizer) = rasterizer() else { return };
+    let count = 66_000;
+    let mut quads = vec![[[-1000, -1000], [-999, -1000], [-999, -999], [-1000, -999]]; count];
+    for (k, x) in [(0, 0), (65_534, 1), (65_535, 2), (65_536, 3), (count - 1, 4)] {
+        quads[k] = [[0, 0], [256, 0], [256, 256], [0, 256]].map(|[dx, dy]| [256 * x + dx, dy]);
+    }
+    let mut scene = Scene::new(&quads, 0, 0, 1);
+    scene.vertices.iter_mut().for_each(|v| v.depth = 0.5);
+    let [near, _] = scene.draw(&mut rasterizer, Fill::Off);
+    let found: Vec<u32> = near[..6].iter().map(|&word| low(word) >> 7).collect();
+    assert_eq!(found, [0, 65_534, 65_535, 65_536, count as u32 - 1, 0]);
+    assert!(near[..5].iter().all(|&word| word != 0) && near[5] == 0);
     assert_silent(&rasterizer);
 }

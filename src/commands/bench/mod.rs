@@ -11,6 +11,7 @@ mod matrix;
 mod pairs;
 mod precision;
 mod quads;
+mod raster;
 mod reading;
 mod sheet;
 mod speed;
@@ -52,6 +53,8 @@ pub enum Suite {
     Precision(precision::Args),
     /// Quads and triangles of every bound against ETER's
     Quads(SuiteArgs),
+    /// Software, hybrid and hardware rasterising of the same frames: ETER's figure 8, and what hybrid leaves to hardware
+    Raster(raster::Args),
     /// How fast files are read: their text, their models, their scenes
     Reading(reading::Args),
     /// Stage times, their floors, and the geometry's against ETER's in the same run
@@ -69,6 +72,7 @@ impl Suite {
             Suite::Frame(args) => Some(&args.frame),
             Suite::Matrix(args) => Some(&args.frame),
             Suite::Quads(args) => Some(&args.frame),
+            Suite::Raster(args) => Some(&args.frame),
             Suite::Speed(args) => Some(&args.frame),
             Suite::Evaluate(_) | Suite::Precision(_) | Suite::Reading(_) | Suite::Stability(_) => None,
         }
@@ -116,6 +120,7 @@ pub fn run(args: Args) -> Result<ExitCode> {
         Suite::Matrix(args) => return matrix::run(&args),
         Suite::Precision(args) => precision::run(&args)?,
         Suite::Quads(args) => quads::run(&args)?,
+        Suite::Raster(args) => raster::run(&args)?,
         Suite::Reading(args) => reading::run(&args)?,
         Suite::Speed(args) => speed::run(&args)?,
         Suite::Stability(args) => stability::run(&args)?,

@@ -79,7 +79,7 @@ fn draw(corners: [Vertex; 3], pen: Pen, fill: Fill, size: [u32; 2]) -> Targets {
         ..Targets::default()
     };
     let options = Options { fill, ..Options::default() };
-    rasterize(&single(corners, size[1]), &[pen], &options, size, &mut targets);
+    rasterize(&single(corners, size[1]), 0..1, &[pen], &options, size, &mut targets);
     targets
 }
 

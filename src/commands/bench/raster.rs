@@ -1,0 +1,181 @@
+//! Software, hybrid and hardware rasterising of the same frames: ETER's figure 8, and from which size of a quad on hardware is
+//! worth it on this device.
+
+use super::{Findings, ResultArgs};
+use crate::commands::args::FrameArgs;
+use crate::commands::backend::vulkan_missing;
+use crate::commands::measure::{Effort, Subject};
+use crate::commands::output;
+use crate::report::{Cell, Row, Table};
+use crate::stages::{Options, Raster, Renderer};
+use crate::vulkan::{Found, threshold};
+use anyhow::{Context, Result, bail};
+
+#[derive(Clone, Debug, clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    pub frame: FrameArgs,
+    #[command(flatten)]
+    pub effort: Effort,
+    /// Do not keep what was found for later frames of --raster hybrid
+    #[arg(long)]
+    pub forget: bool,
+    #[command(flatten)]
+    pub results: ResultArgs,
+}
+
+/// Pixels along a quad's longer side that are tried.
+const SIDES: [f64; 8] = [4.0, 8.0, 12.0, 16.0, 24.0, 32.0, 64.0, 128.0];
+
+/// Rows of one model: software, hardware, and hybrid by `SIDES`.
+struct Finding {
+    rows: Vec<Row>,
+    /// Pixels of each row that are not software's.
+    different: Vec<u64>,
+}
+
+pub fn run(args: &Args) -> Result<()> {
+    let missing = vulkan_missing();
+    if !missing.is_empty() {
+        bail!("rasterisers can't be compared: {}", missing.join("; "));
+    }
+    let mut found = Vec::new();
+    let mut device = None;
+    args.frame.model.install(|| {
+        for model in args.frame.model.each() {
+            let (loaded, scene) = model.load_scene()?;
+            let view = args.frame.view_spec();
+            let all = configurations(&args.frame.options());
+            let mut subject = Subject::new(&loaded.name, &scene, args.effort, args.frame.backend.engine()?);
+            let rows = subject.rows(&view, &all)?;
+            // The same pixels are drawn, or the comparison says nothing.
+            let camera = args.frame.camera(&scene)?;
+            let mut renderer = Renderer::with(&scene, args.frame.backend.engine()?);
+            let software = renderer.render(&camera, &all[0]).ok();
+            let mut different = Vec::new();
+            for options in &all {
+                let frame = renderer.render(&camera, options).ok();
+                let both = software.as_ref().zip(frame.as_ref());
+                different.push(both.map_or(0, |(a, b)| super::backends::Difference::of(a, b).words));
+            }
+            device = renderer.rasterizer().map(|r| r.device().found.clone()).or(device.take());
+            found.push(Finding { rows, different });
+        }
+        Ok(())
+    })?;
+    let device = device.context("no frame was drawn by hardware")?;
+    let best = best(&found);
+    let kept = match best.filter(|_| !args.forget) {
+        Some(pixels) => match threshold::store(&device, pixels) {
+            Ok(path) => format!("kept in {}", path.display()),
+            Err(error) => {
+                output::warning_line(&format!("the threshold can't be kept: {error}"));
+                "not kept".into()
+            }
+        },
+        None => "not kept".into(),
+    };
+    let tables = vec![
+        ("Rasterisers (ETER's figure 8)".into(), rasterisers(&found)),
+        ("Hybrid by the size of quads that hardware gets".into(), sides(&found)),
+    ];
+    let different: u64 = found.iter().flat_map(|f| &f.different).sum();
+    let verdict = if different == 0 { "Every frame stores the same words." } else { "SOME FRAMES STORE OTHER WORDS." };
+    let about = format!("{} {verdict}", about(args, &device, best, &kept));
+    let rows = found.into_iter().flat_map(|f| f.rows).collect();
+    Findings { title: "Rasterisers", about, tables, rows }.publish(&args.results)
+}
+
+fn configurations(ours: &Options) -> Vec<Options> {
+    let by = |raster| Options { raster, ..*ours };
+    let hybrid = SIDES.map(|side| Options { large: Some(side), ..by(Raster::Hybrid) });
+    [by(Raster::Software), by(Raster::Hardware)].into_iter().chain(hybrid).collect()
+}
+
+/// Rasterising, whatever stage does it.
+fn raster_ms(row: &Row) -> Option<f64> {
+    row.measured().map(|m| m.stage("rasterize") + m.stage("trim"))
+}
+
+/// The side with which all models together take least.
+fn best(found: &[Finding]) -> Option<f64> {
+    let all = SIDES.iter().enumerate().map(|(k, &side)| {
+        let sum: f64 = found.iter().filter_map(|f| raster_ms(&f.rows[2 + k])).sum();
+        (side, sum)
+    });
+    all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(side, _)| side)
+}
+
+fn rasterisers(found: &[Finding]) -> Table {
+    let mut table = Table::new(&[
+        "model",
+        "raster",
+        "quads from px",
+        "ms",
+        "least ms",
+        "rasterize + trim ms",
+        "triangles",
+        "by hardware",
+        "pixels not software's",
+        "grid max px",
+        "refined max px",
+        "violations",
+        "cracks",
+    ]);
+    let best = best(found);
+    for Finding { rows, different } in found {
+        let hybrid = best.and_then(|best| SIDES.iter().position(|&side| side == best)).map(|k| 2 + k);
+        for k in [Some(0), hybrid, Some(1)].into_iter().flatten() {
+            let (row, m, e) = (&rows[k], rows[k].measured(), rows[k].errors());
+            table.push(vec![
+                row.model.as_str().into(),
+                row.raster.as_str().into(),
+                (k >= 2).then_some(best).flatten().into(),
+                m.map(|m| m.total.median).into(),
+                m.map(|m| m.total.min).into(),
+                raster_ms(row).into(),
+                m.map(|m| m.counts.triangles).into(),
+                m.map(|m| m.counts.triangles_hardware).into(),
+                different[k].into(),
+                e.and_then(|e| e.grid_max()).into(),
+                e.and_then(|e| e.refined).map(|s| s.max).into(),
+                e.map(|e| e.violations).into(),
+                e.map(|e| e.cracks).into(),
+            ]);
+        }
+    }
+    table
+}
+
+fn sides(found: &[Finding]) -> Table {
+    let mut table =
+        Table::new(&["model", "quads from px", "rasterize + trim ms", "by hardware", "pixels not software's"]);
+    for Finding { rows, different } in found {
+        for (k, side) in SIDES.into_iter().enumerate() {
+            let row = &rows[2 + k];
+            table.push(vec![
+                row.model.as_str().into(),
+                side.into(),
+                raster_ms(row).into(),
+                row.measured().map(|m| m.counts.triangles_hardware).into(),
+                Cell::from(different[2 + k]),
+            ]);
+        }
+    }
+    table
+}
+
+fn about(args: &Args, device: &Found, best: Option<f64>, kept: &str) -> String {
+    let [width, height] = args.frame.size;
+    let what = if device.kind == "cpu" {
+        "a driver that draws on the CPU: its times say nothing about a GPU"
+    } else {
+        "data-centre GPUs have few graphics units, and their times say little about others"
+    };
+    let best = best.map_or("none".into(), |side| format!("{side} pixels"));
+    format!(
+        "{width}x{height}, frames by turns. Hardware: {} ({}, {}), {what}. Where all models together take least, hybrid gives \
+         hardware the leaves with quads of {best} and more ({kept}).",
+        device.name, device.kind, device.driver
+    )
+}
