@@ -83,8 +83,8 @@ pub mod trims;
 
 pub use count::Count;
 pub use device::{Device, Driver, devices, driver};
-pub(crate) use gpu::bytes_of;
 pub use gpu::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape};
+pub(crate) use gpu::{bytes_of, pods};
 pub use module::{Kernels, Toolkit, fatbin, targets, toolkit};
 pub use stream::Stream;
 pub use trims::TrimLists;

@@ -34,8 +34,21 @@ pub struct Device {
     pub(super) half_viewport: u32,
     /// Pixels a side of what can be drawn.
     pub(super) largest: u32,
+    /// The most quads along a side of what is tessellated, or the features that this lacks.
+    pub(super) tessellation: Result<u32, Vec<&'static str>>,
+    /// Where the queue has any.
+    pub(super) timestamps: Option<Timestamps>,
     pub found: Found,
     instance: Arc<Instance>,
+}
+
+/// What a queue's clock says.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Timestamps {
+    /// Nanoseconds a tick.
+    pub period: f32,
+    /// That count; those above are 0.
+    pub bits: u32,
 }
 
 /// What is asked of a device beyond 1.3.
@@ -104,6 +117,14 @@ impl Features {
         Self { core, v11, v12, v13, mesh }
     }
 
+    /// What tessellation asks for besides; a device that lacks it still draws meshlets.
+    fn tessellation(core: &vk::PhysicalDeviceFeatures) -> [(&'static str, vk::Bool32); 2] {
+        [
+            ("tessellationShader", core.tessellation_shader),
+            ("vertexPipelineStoresAndAtomics", core.vertex_pipeline_stores_and_atomics),
+        ]
+    }
+
     /// By name, in one order.
     fn named(&self) -> [(&'static str, vk::Bool32); 13] {
         [
@@ -169,7 +190,9 @@ fn look(instance: &Instance, device: vk::PhysicalDevice) -> Found {
         (ext::conservative_rasterization::NAME, "shaders widen triangles themselves"),
     ];
     let absent = optional.into_iter().filter(|(name, _)| !has(name));
-    let absent = absent.map(|(name, so)| format!("no {}: {so}", name.to_string_lossy())).collect();
+    let mut absent: Vec<String> = absent.map(|(name, so)| format!("no {}: {so}", name.to_string_lossy())).collect();
+    let lacking = tessellation_lacks(instance, device).into_iter();
+    absent.extend(lacking.map(|name| format!("no {name}: no --raster tessellation baseline")));
     Found {
         name: text(core.device_name_as_c_str()),
         driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
@@ -178,6 +201,14 @@ fn look(instance: &Instance, device: vk::PhysicalDevice) -> Found {
         missing,
         absent,
     }
+}
+
+/// The features that tessellation needs and the device has not.
+fn tessellation_lacks(instance: &Instance, device: vk::PhysicalDevice) -> Vec<&'static str> {
+    // SAFETY: the device is the instance's.
+    let core = unsafe { instance.raw.get_physical_device_features(device) };
+    let lacking = Features::tessellation(&core).into_iter().filter(|(_, value)| *value == vk::FALSE);
+    lacking.map(|(name, _)| name).collect()
 }
 
 /// A family of queues that draw.
@@ -207,7 +238,10 @@ impl Device {
         let family = family(&instance, physical).ok_or(VulkanError::NoDevice)?;
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
         let names = EXTENSIONS.map(CStr::as_ptr);
-        let Features { core, mut v11, mut v12, mut v13, mut mesh } = Features::wanted();
+        let lacking = tessellation_lacks(&instance, physical);
+        let tessellates = lacking.is_empty();
+        let Features { mut core, mut v11, mut v12, mut v13, mut mesh } = Features::wanted();
+        core = core.tessellation_shader(tessellates).vertex_pipeline_stores_and_atomics(tessellates);
         let info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
             .enabled_extension_names(&names)
@@ -229,7 +263,23 @@ impl Device {
         let [width, height] = limits.max_viewport_dimensions;
         let viewport = 1 << width.min(height).min(LARGEST_VIEWPORT).ilog2();
         let largest = limits.max_framebuffer_width.min(limits.max_framebuffer_height).min(viewport);
-        Ok(Arc::new(Self { raw, mesh, queue, family, memory, half_viewport: viewport / 2, largest, found, instance }))
+        // SAFETY: the device is the instance's.
+        let families = unsafe { instance.raw.get_physical_device_queue_family_properties(physical) };
+        let bits = families.get(family as usize).map_or(0, |f| f.timestamp_valid_bits);
+        let timestamps = (bits > 0).then_some(Timestamps { period: limits.timestamp_period, bits });
+        Ok(Arc::new(Self {
+            raw,
+            mesh,
+            queue,
+            family,
+            memory,
+            half_viewport: viewport / 2,
+            largest,
+            tessellation: if tessellates { Ok(limits.max_tessellation_generation_level) } else { Err(lacking) },
+            timestamps,
+            found,
+            instance,
+        }))
     }
 
     /// What validation layers have said so far.

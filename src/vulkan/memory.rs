@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// Who uses a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
-    /// Written by the host, read by shaders.
+    /// Written by the host, read by shaders or copied from.
     Upload,
     /// Shaders alone.
     Shaders,
@@ -36,7 +36,11 @@ unsafe impl Sync for Buffer {}
 impl Buffer {
     pub fn new(device: &Arc<Device>, bytes: u64, used: Use) -> Result<Self, VulkanError> {
         let usage = match used {
-            Use::Upload => vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS,
+            Use::Upload => {
+                vk::BufferUsageFlags::STORAGE_BUFFER
+                    | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
+                    | vk::BufferUsageFlags::TRANSFER_SRC
+            }
             Use::Shaders => {
                 vk::BufferUsageFlags::STORAGE_BUFFER
                     | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS

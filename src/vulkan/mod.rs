@@ -15,22 +15,38 @@
 //! | `trims.rs` | trim trees, and fragments that only the exact surface can decide |
 //! | `threshold.rs` | what each device has been measured to be good for |
 //! | `rasterize.rs` | a frame's meshlets into its two buffers of words |
+//! | `recorder.rs` | one list of commands, run to its end, and timed |
+//! | `tessellation.rs` | what frames do not use: evaluation by fixed-function tessellation (ETER, table 3; Yeo 2012) |
+//! | `tessellation_pieces.rs` | patches cut to what hardware tessellates at once |
+//! | `tessellation_borders.rs` | which borders of patches coincide |
+//! | `tessellation_pipelines.rs` | its pipelines, by degree |
+//! | `evaluated.rs` | its counterpart: mesh shaders that read what was evaluated before |
 
 // Foreign code is called in all of these files.
 #![allow(unsafe_code)]
 
 mod device;
+mod evaluated;
 mod instance;
 mod jobs;
 mod memory;
 mod pipeline;
 mod rasterize;
+mod recorder;
+mod tessellation;
+mod tessellation_borders;
+mod tessellation_pieces;
+mod tessellation_pipelines;
 pub mod threshold;
 mod trims;
 
 pub use device::{Device, Found, devices};
+pub use evaluated::Evaluated;
 pub use instance::{Instance, Validation};
 pub use rasterize::{Drawn, Input, Rasterizer};
+pub use tessellation::{Parameters, Sample, Tessellated, Tessellation, Tessellator, with_factor};
+pub use tessellation_borders::Borders;
+pub use tessellation_pieces::{EdgeFactors, Piece};
 
 use ash::vk;
 use thiserror::Error;
@@ -44,8 +60,14 @@ pub enum VulkanError {
     NoDriver { code: vk::Result },
     #[error("no Vulkan device is there")]
     NoDevice,
-    #[error("{device} can't draw meshlets, it lacks {}", missing.join(", "))]
+    #[error("{device} can't be used for this, it lacks {}", missing.join(", "))]
     Unfit { device: String, missing: Vec<String> },
+    #[error("{device} has no clock that commands can ask (timestampValidBits is 0)")]
+    NoTimestamps { device: String },
+    #[error("patch {patch} can't be tessellated: {reason}")]
+    BadPatch { patch: usize, reason: &'static str },
+    #[error("meshlet {meshlet} can't be drawn: {reason}")]
+    BadMeshlet { meshlet: usize, reason: &'static str },
     #[error("the Vulkan validation layers are not installed (vulkan-validationlayers)")]
     NoValidation,
     #[error("{what}: the Vulkan device has no memory left for {bytes} bytes")]

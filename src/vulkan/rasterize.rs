@@ -12,10 +12,10 @@ use ash::vk;
 use std::sync::Arc;
 
 /// Workgroups along one axis of a draw, and in all of it: what every device can do.
-const MOST_GROUPS: u32 = 65535;
-const MOST_IN_ALL: u32 = (1 << 22) / MOST_GROUPS * MOST_GROUPS;
+pub(super) const MOST_GROUPS: u32 = 65535;
+pub(super) const MOST_IN_ALL: u32 = (1 << 22) / MOST_GROUPS * MOST_GROUPS;
 /// Two minutes: a driver's own watchdog comes sooner.
-const TIMEOUT: u64 = 120_000_000_000;
+pub(super) const TIMEOUT: u64 = 120_000_000_000;
 
 /// What is drawn. Lists are those of `kernels/abi.h`.
 #[derive(Clone, Copy, Debug)]
@@ -294,7 +294,7 @@ impl std::fmt::Debug for Rasterizer {
 }
 
 /// A buffer with room for so many bytes: the last frame's, or a new one that is half as large again.
-fn room<'a>(
+pub(super) fn room<'a>(
     device: &Arc<Device>,
     kept: &'a mut Option<Buffer>,
     bytes: u64,

@@ -1,8 +1,10 @@
-//! Vulkan's mesh shaders: the same words as the software rasteriser and as exact integers, under validation layers.
+//! Vulkan's mesh shaders: the same words as the software rasteriser and as exact integers, under validation layers; and
+//! evaluation by tessellation.
 
 mod frames;
 mod primitives;
 mod program;
+mod tessellation;
 
 use halfpixel::vulkan::{Device, Rasterizer, Validation, VulkanError};
 

@@ -1,0 +1,161 @@
+//! One list of commands: recorded, run to its end, and timed by the device's own clock.
+
+use super::rasterize::TIMEOUT;
+use super::{Device, VulkanError};
+use crate::report::Spread;
+use ash::vk;
+use std::sync::Arc;
+
+/// Records commands and waits for them.
+pub(super) struct Recorder {
+    pub commands: vk::CommandBuffer,
+    pool: vk::CommandPool,
+    done: vk::Fence,
+    /// Two timestamps; null where the queue has none.
+    queries: vk::QueryPool,
+    /// What went wrong: commands may still run, so nothing is recorded any more.
+    failed: Option<VulkanError>,
+    pub device: Arc<Device>,
+}
+
+/// A copy from one buffer to another.
+pub(super) struct Copy {
+    pub from: vk::Buffer,
+    pub to: vk::Buffer,
+    pub regions: Vec<vk::BufferCopy>,
+}
+
+impl Recorder {
+    pub fn new(device: Arc<Device>) -> Result<Self, VulkanError> {
+        let mut made = Self {
+            commands: vk::CommandBuffer::null(),
+            pool: vk::CommandPool::null(),
+            done: vk::Fence::null(),
+            queries: vk::QueryPool::null(),
+            failed: None,
+            device,
+        };
+        let pool = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(made.device.family)
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
+        let queries = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2);
+        let raw = &made.device.raw;
+        // SAFETY: the family is the queue's; the pool lives as long as what is made of it; timestamps are asked for only where
+        // there are any. `drop` destroys what was made until a call fails.
+        unsafe {
+            made.pool = raw.create_command_pool(&pool, None).map_err(VulkanError::of("vkCreateCommandPool"))?;
+            let info = vk::CommandBufferAllocateInfo::default().command_pool(made.pool).command_buffer_count(1);
+            let all = raw.allocate_command_buffers(&info);
+            made.commands = all.map_err(VulkanError::of("vkAllocateCommandBuffers"))?[0];
+            let fence = raw.create_fence(&vk::FenceCreateInfo::default(), None);
+            made.done = fence.map_err(VulkanError::of("vkCreateFence"))?;
+            if made.device.timestamps.is_some() {
+                let pool = raw.create_query_pool(&queries, None);
+                made.queries = pool.map_err(VulkanError::of("vkCreateQueryPool"))?;
+            }
+        }
+        Ok(made)
+    }
+
+    /// Runs what `record` records, to its end. `what`: for errors.
+    pub fn run(&mut self, what: &'static str, record: impl FnOnce(&Self)) -> Result<(), VulkanError> {
+        if let Some(error) = &self.failed {
+            return Err(error.clone());
+        }
+        let result = self.run_once(what, record);
+        self.failed = result.clone().err();
+        result
+    }
+
+    fn run_once(&self, what: &'static str, record: impl FnOnce(&Self)) -> Result<(), VulkanError> {
+        let (raw, all) = (&self.device.raw, [self.commands]);
+        let once = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: what ran before is done, or `failed` would have kept us out.
+        unsafe { raw.begin_command_buffer(self.commands, &once) }.map_err(VulkanError::of("vkBeginCommandBuffer"))?;
+        record(self);
+        let submits = [vk::SubmitInfo::default().command_buffers(&all)];
+        // SAFETY: the commands were begun above; the fence is not signalled, and nobody else uses the queue.
+        unsafe {
+            raw.end_command_buffer(self.commands).map_err(VulkanError::of("vkEndCommandBuffer"))?;
+            raw.queue_submit(self.device.queue, &submits, self.done).map_err(VulkanError::of("vkQueueSubmit"))?;
+            raw.wait_for_fences(&[self.done], true, TIMEOUT).map_err(VulkanError::of(what))?;
+            raw.reset_fences(&[self.done]).map_err(VulkanError::of("vkResetFences"))
+        }
+    }
+
+    /// Runs what `record` records once to warm up and then `rounds` times; milliseconds of a round. At least one round.
+    pub fn time(&mut self, what: &'static str, rounds: u32, record: impl Fn(&Self)) -> Result<Spread, VulkanError> {
+        if self.device.timestamps.is_none() {
+            return Err(VulkanError::NoTimestamps { device: self.device.found.name.clone() });
+        }
+        self.run(what, &record)?;
+        let mut times = Vec::new();
+        for _ in 0..rounds.max(1) {
+            self.run(what, |recorder| recorder.between_timestamps(&record))?;
+            times.push(self.elapsed()?);
+        }
+        times.sort_by(f64::total_cmp);
+        let middle = times.len() / 2;
+        let median = if times.len() % 2 == 1 { times[middle] } else { 0.5 * (times[middle - 1] + times[middle]) };
+        Ok(Spread { median, min: times[0], max: times[times.len() - 1] })
+    }
+
+    fn between_timestamps(&self, record: impl Fn(&Self)) {
+        let (raw, commands) = (&self.device.raw, self.commands);
+        // All that came before is done, and all of `record` is: nothing else is in between.
+        let stage = vk::PipelineStageFlags2::ALL_COMMANDS;
+        // SAFETY: commands are being recorded, outside of rendering; `time` has seen that there are timestamps.
+        unsafe {
+            raw.cmd_reset_query_pool(commands, self.queries, 0, 2);
+            raw.cmd_write_timestamp2(commands, stage, self.queries, 0);
+        }
+        record(self);
+        // SAFETY: as above.
+        unsafe { raw.cmd_write_timestamp2(commands, stage, self.queries, 1) };
+    }
+
+    /// Milliseconds between the timestamps of the last run.
+    fn elapsed(&self) -> Result<f64, VulkanError> {
+        let Some(clock) = self.device.timestamps else { return Ok(0.0) };
+        let mut ticks = [0u64; 2];
+        let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
+        // SAFETY: both timestamps have been written: the commands are done.
+        let got = unsafe { self.device.raw.get_query_pool_results(self.queries, 0, &mut ticks, flags) };
+        got.map_err(VulkanError::of("vkGetQueryPoolResults"))?;
+        // The count starts again where its bits end.
+        let ticks = ticks[1].wrapping_sub(ticks[0]) & (u64::MAX >> (64 - clock.bits.min(64)));
+        Ok(ticks as f64 * f64::from(clock.period) * 1e-6)
+    }
+
+    /// What comes after sees what was written before.
+    pub fn barrier(&self, before: vk::PipelineStageFlags2, after: vk::PipelineStageFlags2) {
+        let barriers = [vk::MemoryBarrier2::default()
+            .src_stage_mask(before)
+            .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+            .dst_stage_mask(after)
+            .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
+        let info = vk::DependencyInfo::default().memory_barriers(&barriers);
+        // SAFETY: commands are being recorded, outside of rendering.
+        unsafe { self.device.raw.cmd_pipeline_barrier2(self.commands, &info) };
+    }
+
+    pub fn copy(&self, copies: &[Copy]) {
+        for Copy { from, to, regions } in copies.iter().filter(|copy| !copy.regions.is_empty()) {
+            // SAFETY: commands are being recorded; both buffers live until they have run and have room for the regions.
+            unsafe { self.device.raw.cmd_copy_buffer(self.commands, *from, *to, regions) };
+        }
+    }
+}
+
+impl Drop for Recorder {
+    fn drop(&mut self) {
+        let raw = &self.device.raw;
+        // SAFETY: nothing runs once the wait returns; all three are this recorder's own, or null.
+        unsafe {
+            let _ = raw.device_wait_idle();
+            raw.destroy_query_pool(self.queries, None);
+            raw.destroy_fence(self.done, None);
+            raw.destroy_command_pool(self.pool, None);
+        }
+    }
+}
