@@ -68,6 +68,7 @@ bench() {
 raster() {
     if "$program" devices | grep '^vulkan' | grep -qv 'not available'; then
         step raster 40 "$program" bench raster "$@" --forget -o "$found/raster"
+        step tessellation 30 "$program" bench tessellation -o "$found/tessellation"
     else
         echo "raster,no Vulkan device,0,0" | tee -a "$out/steps.csv"
     fi

@@ -16,6 +16,7 @@ mod reading;
 mod sheet;
 mod speed;
 mod stability;
+mod tessellation;
 
 use super::args::FrameArgs;
 use super::measure::Effort;
@@ -61,6 +62,8 @@ pub enum Suite {
     Speed(speed::Args),
     /// The hard cases: what the frame makes of each, what is refused and why
     Stability(stability::Args),
+    /// Patches evaluated by the hardware's tessellation pipeline, and mesh shaders beside: ETER's table 3
+    Tessellation(tessellation::Args),
 }
 
 impl Suite {
@@ -74,7 +77,11 @@ impl Suite {
             Suite::Quads(args) => Some(&args.frame),
             Suite::Raster(args) => Some(&args.frame),
             Suite::Speed(args) => Some(&args.frame),
-            Suite::Evaluate(_) | Suite::Precision(_) | Suite::Reading(_) | Suite::Stability(_) => None,
+            Suite::Evaluate(_)
+            | Suite::Precision(_)
+            | Suite::Reading(_)
+            | Suite::Stability(_)
+            | Suite::Tessellation(_) => None,
         }
     }
 }
@@ -124,6 +131,7 @@ pub fn run(args: Args) -> Result<ExitCode> {
         Suite::Reading(args) => reading::run(&args)?,
         Suite::Speed(args) => speed::run(&args)?,
         Suite::Stability(args) => stability::run(&args)?,
+        Suite::Tessellation(args) => tessellation::run(&args)?,
     }
     Ok(ExitCode::SUCCESS)
 }

@@ -117,6 +117,16 @@ impl Nets {
         points
     }
 
+    /// Where a patch has the parameters `t`.
+    pub fn point(&self, patch: usize, t: [f64; 2]) -> Point {
+        let [u, v] = t.map(|t| {
+            let mut values = vec![0.0; usize::from(self.kind.degree) + 1];
+            bernstein(t, &mut values);
+            values
+        });
+        self.project(sum(&self.exact[patch], &u, &v))
+    }
+
     /// The a-priori bound's view of a patch, and the pixels that one of its own stands for.
     pub fn hull(&self, patch: usize) -> (Hull, f64) {
         let patch = &self.surfaces.patches[patch];
