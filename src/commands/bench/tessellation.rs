@@ -63,7 +63,8 @@ pub fn run(args: &Args) -> Result<()> {
         let nets = Nets::new(Kind { degree, width: args.width, ..Kind::default() }, patches);
         measure(&mut tessellator, &nets, args.rounds, &mut timings)?;
     }
-    let machine = Machine { device: format!("{} ({})", found.name, found.driver), ..Machine::here(rayon::current_num_threads()) };
+    let machine =
+        Machine { device: format!("{} ({})", found.name, found.driver), ..Machine::here(rayon::current_num_threads()) };
     let backend = "vulkan";
     let sheet = Sheet {
         suite: "tessellation",
