@@ -66,11 +66,12 @@ bench() {
 
 # Vulkan's mesh shaders beside the software rasteriser, where the machine has a Vulkan device.
 raster() {
-    if "$program" devices | grep '^vulkan' | grep -qv 'not available'; then
+    # Not by drivers that draw on the CPU: a GPU's time is dear.
+    if "$program" devices | grep '^vulkan' | grep -v 'not available' | grep -qv '(cpu, '; then
         step raster 40 "$program" bench raster "$@" --forget -o "$found/raster"
         step tessellation 30 "$program" bench tessellation -o "$found/tessellation"
     else
-        echo "raster,no Vulkan device,0,0" | tee -a "$out/steps.csv"
+        echo "raster,no Vulkan device: left out,0,0" | tee -a "$out/steps.csv"
     fi
 }
 
@@ -116,7 +117,6 @@ else
     bench backends 120 backends models/teapot.bpt models/screw.step --size 96x64
     bench matrix 60 matrix models/teapot.bpt --pairwise --size 96x64
     step verify 60 "$program" verify models/teapot.bpt --backend emulated --size 96x64 --samples 200 --json
-    raster models/teapot.bpt models/screw.step --samples 50 --size 96x64
     bench evaluate 120 evaluate --patches 4
     bench precision 120 precision --patches 2
     bench frame 120 frame models/teapot.bpt --patches 128 --frames 1 --samples 50 --size 96x64
@@ -154,4 +154,4 @@ fi
 } >"$out/report.md"
 tar -czf "$out/results.tar.gz" -C "$found" .
 echo "$out/report.md"
-! grep -qv -e ",done," -e "^step," "$out/steps.csv"
+! grep -qv -e ",done," -e "^step," -e ": left out," "$out/steps.csv"

@@ -5,14 +5,19 @@
 #extension GL_EXT_shader_explicit_arithmetic_types : require
 #extension GL_EXT_shader_atomic_int64 : require
 #extension GL_EXT_control_flow_attributes : require
+#extension GL_EXT_spirv_intrinsics : require
 #include "abi.glsl"
+
+// RoundingModeRTE: f32 rounds to nearest, also from integers, which is not promised otherwise.
+spirv_execution_mode(capabilities = [4467], 4462, 32);
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Patches { Patch at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Leaves { Leaf at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Meshlets { Meshlet at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Vertices { Vertex at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Numbers { uint at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Words { uint64_t at[]; };
+// Others may write what is read here.
+layout(buffer_reference, scalar, buffer_reference_align = 8) volatile buffer Words { uint64_t at[]; };
 
 // vk_shaders/trim.glsl has the rest.
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Trims;
@@ -33,6 +38,8 @@ layout(push_constant, scalar) uniform Pushed {
     uint size[2];
     int middle[2];
     int half_viewport;
+    // One over it, which is a power of two: no division has to be exact.
+    float scale;
 } push;
 
 // Trim curves cross what is drawn.
@@ -137,7 +144,7 @@ bool is_far(Corners c) { return is_far(c.at[0]) || is_far(c.at[1]) || is_far(c.a
 
 // Clip coordinates of a place in pixels: exact, since the viewport's side is a power of two and its middle a whole pixel.
 vec4 clip_of(vec2 pixels) {
-    return vec4((pixels - vec2(push.middle[0], push.middle[1])) / float(push.half_viewport), 0.5, 1.0);
+    return vec4((pixels - vec2(push.middle[0], push.middle[1])) * push.scale, 0.5, 1.0);
 }
 
 i64vec2 center_of(ivec2 pixel) { return i64vec2(pixel) * int64_t(SUBPIXELS) + HALF_SUBPIXELS; }

@@ -35,7 +35,8 @@ const double REFINED = 1.0LF / 512.0LF + 1.0LF / 1024.0LF;
 const double BENT = 2.0LF;
 
 dvec2 to_plane(Leaf leaf, dvec2 s) {
-    return dvec2(leaf.plane_origin[0], leaf.plane_origin[1]) + dvec2(leaf.plane_size[0], leaf.plane_size[1]) * s;
+    precise dvec2 p = dvec2(leaf.plane_origin[0], leaf.plane_origin[1]) + dvec2(leaf.plane_size[0], leaf.plane_size[1]) * s;
+    return p;
 }
 
 // How far the parameters of a triangle's fragments may be off: as fast as they change across it, along both screen axes
@@ -47,7 +48,7 @@ dvec2 spread_of(Leaf leaf, Meshlet m, ivec2 places[3], Corners c) {
     vec3 weights = vec3(weight_of(m, places[0]), weight_of(m, places[1]), weight_of(m, places[2]));
     double ratio = double(max(max(weights.x, weights.y), weights.z)) / double(min(min(weights.x, weights.y), weights.z));
     double inverse = ratio * ratio / abs(u.x * v.y - u.y * v.x);
-    dvec2 off;
+    precise dvec2 off;
     [[unroll]] for (int k = 0; k < 2; k++) {
         double first = double(places[1][k] - places[0][k]), second = double(places[2][k] - places[0][k]);
         off[k] = (abs(first * v.y - second * u.y) + abs(second * u.x - first * v.x)) * inverse * reach
@@ -97,9 +98,11 @@ bool keeps_stroke(Meshlet m, ivec2 places[3], Corners c, ivec2 pixel, bool edge)
     if (push.trims.alone != 0) {
         return contains(leaf.tree, to_plane(leaf, s));
     }
+    // Edge-on there is no telling.
+    if (area_of(c) == 0) {
+        return true;
+    }
     // The pen's width, and as much again to what lies under the pixel's centre.
     dvec2 off = 2.0LF * spread_of(leaf, m, places, c);
-    // Edge-on there is no telling.
-    bool finite = off.x <= 1.7e308LF && off.y <= 1.7e308LF;
-    return !finite || classify(leaf, s, off) != REGION_OUTSIDE;
+    return classify(leaf, s, off) != REGION_OUTSIDE;
 }

@@ -41,7 +41,8 @@ dvec2 point_at(Curve c, double t) {
         sum = sum * s + dvec3(p.x, p.y, p.w) * share;
     }
     PlaneBox bounds = box_around(c.a, c.b);
-    return clamp(sum.xy / sum.z, bounds.low, bounds.high);
+    precise dvec2 point = sum.xy / sum.z;
+    return clamp(point, bounds.low, bounds.high);
 }
 
 // u of the straight line from a to b at height v, between theirs.

@@ -10,7 +10,7 @@ use super::lens::Lens;
 use super::rasterize::BAND;
 use super::{Options, Raster, Trim};
 use crate::cuda::{TrimLists, abi};
-use crate::vulkan::{Device, Drawn, Input, Rasterizer, Validation};
+use crate::vulkan::{Device, Input, Rasterizer, Validation, VulkanError};
 use glam::Vec2;
 use rayon::prelude::*;
 
@@ -155,10 +155,16 @@ impl Renderer<'_> {
             trims: trims.as_ref(),
             alone: is_tested_alone(options),
         };
-        let Drawn { near, spare, listed } = self.hardware()?.draw(&input)?;
-        merge(lens.size[0] as usize * BAND, near, spare, targets);
+        let drawn = self.hardware()?.draw(&input).map(|drawn| {
+            merge(lens.size[0] as usize * BAND, drawn.near, drawn.spare, targets);
+            drawn.listed.to_vec()
+        });
+        if matches!(drawn, Err(VulkanError::Lost { .. } | VulkanError::Call { .. })) {
+            // The next frame opens the device anew.
+            self.hardware = None;
+        }
         let triangles = |&k: &u32| 2 * meshlets.meshlets[k as usize].quads.map(u64::from).iter().product::<u64>();
-        Ok(ByHardware { triangles: numbers.iter().map(triangles).sum(), listed: listed.to_vec() })
+        Ok(ByHardware { triangles: numbers.iter().map(triangles).sum(), listed: drawn? })
     }
 }
 

@@ -5,7 +5,7 @@ use ash::{ext, khr, vk};
 use serde::Serialize;
 use std::ffi::CStr;
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A Vulkan device that is there.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -27,7 +27,8 @@ pub struct Found {
 pub struct Device {
     pub(super) raw: ash::Device,
     pub(super) mesh: ext::mesh_shader::Device,
-    pub(super) queue: vk::Queue,
+    /// Vulkan wants one user at a time.
+    pub(super) queue: Mutex<vk::Queue>,
     pub(super) family: u32,
     pub(super) memory: vk::PhysicalDeviceMemoryProperties,
     /// Half the side of the viewport in pixels, a power of two.
@@ -148,7 +149,9 @@ impl Features {
 fn look(instance: &Instance, device: vk::PhysicalDevice) -> Found {
     let mut id = vk::PhysicalDeviceIDProperties::default();
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
-    let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut id).push_next(&mut driver);
+    let mut floats = vk::PhysicalDeviceFloatControlsProperties::default();
+    let mut properties = vk::PhysicalDeviceProperties2::default();
+    properties = properties.push_next(&mut id).push_next(&mut driver).push_next(&mut floats);
     // SAFETY: the chain is alive; a loader of 1.3 accepts it.
     unsafe { instance.raw.get_physical_device_properties2(device, &mut properties) };
     let core = properties.properties;
@@ -179,6 +182,9 @@ fn look(instance: &Instance, device: vk::PhysicalDevice) -> Found {
         missing.extend(there.into_iter().filter(|(_, value)| *value == vk::FALSE).map(|(name, _)| name.to_owned()));
         if core.limits.sub_pixel_precision_bits < 8 {
             missing.push(format!("8 bits of sub-pixels (it has {})", core.limits.sub_pixel_precision_bits));
+        }
+        if floats.shader_rounding_mode_rte_float32 == vk::FALSE {
+            missing.push("shaderRoundingModeRTEFloat32".into());
         }
         if family(instance, device).is_none() {
             missing.push("a graphics queue".into());
@@ -270,7 +276,7 @@ impl Device {
         Ok(Arc::new(Self {
             raw,
             mesh,
-            queue,
+            queue: Mutex::new(queue),
             family,
             memory,
             half_viewport: viewport / 2,
@@ -288,13 +294,20 @@ impl Device {
     }
 }
 
+impl Device {
+    /// Waits for all that the queue was given; a lost device has nothing left to wait for.
+    pub(super) fn wait_idle(&self) {
+        let _queue = self.queue.lock().unwrap_or_else(PoisonError::into_inner);
+        // SAFETY: the device is alive, and nobody else uses its queue meanwhile.
+        let _ = unsafe { self.raw.device_wait_idle() };
+    }
+}
+
 impl Drop for Device {
     fn drop(&mut self) {
-        // SAFETY: what was made of the device holds an `Arc` of this: nothing is left, and nothing runs once the wait returns.
-        unsafe {
-            let _ = self.raw.device_wait_idle();
-            self.raw.destroy_device(None);
-        }
+        self.wait_idle();
+        // SAFETY: what was made of the device holds an `Arc` of this: nothing is left.
+        unsafe { self.raw.destroy_device(None) };
     }
 }
 

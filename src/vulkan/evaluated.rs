@@ -22,6 +22,7 @@ pub struct Evaluated<'a> {
 impl Tessellator {
     /// What the mesh shader emits, in the order of `Meshlet::vertices`.
     pub fn emit(&mut self, input: &Evaluated) -> Result<Vec<abi::SurfacePoint>, VulkanError> {
+        self.recorder.check()?;
         let push = self.prepare_meshlets(input)?;
         let pipeline = self.pipelines.of(Work::Meshlets, true)?;
         let samples = self.store(push, vertices(input), |on, push| draw(on, pipeline, push))?;
@@ -30,6 +31,7 @@ impl Tessellator {
 
     /// Milliseconds to read, emit and discard all vertices, on the device's clock.
     pub fn time_meshlets(&mut self, input: &Evaluated, rounds: u32) -> Result<Spread, VulkanError> {
+        self.recorder.check()?;
         let push = self.prepare_meshlets(input)?;
         let pipeline = self.pipelines.of(Work::Meshlets, false)?;
         self.clock(push, rounds, |on, push| draw(on, pipeline, push))

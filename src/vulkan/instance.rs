@@ -21,7 +21,7 @@ pub struct Instance {
     _entry: ash::Entry,
     pub(super) raw: ash::Instance,
     messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
-    messages: Box<Messages>,
+    messages: Arc<Messages>,
 }
 
 /// Errors and warnings of the validation layers.
@@ -51,7 +51,7 @@ impl Instance {
         // SAFETY: all that `info` points to lives until the call returns.
         let raw = unsafe { entry.create_instance(&info, None) };
         let raw = raw.map_err(|code| VulkanError::NoDriver { code })?;
-        let mut instance = Self { _entry: entry, raw, messenger: None, messages: Box::default() };
+        let mut instance = Self { _entry: entry, raw, messenger: None, messages: Arc::default() };
         if validation == Validation::On {
             instance.listen()?;
         }
@@ -75,8 +75,8 @@ impl Instance {
                     | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
             )
             .pfn_user_callback(Some(heard))
-            .user_data(&raw const *self.messages as *mut c_void);
-        // SAFETY: the box that user data points to stays where it is until the messenger is destroyed in `drop`.
+            .user_data(Arc::as_ptr(&self.messages) as *mut c_void);
+        // SAFETY: what user data points to is shared, and stays until the messenger is destroyed in `drop`.
         let messenger = unsafe { debug.create_debug_utils_messenger(&info, None) };
         self.messenger = Some((debug, messenger.map_err(VulkanError::of("vkCreateDebugUtilsMessengerEXT"))?));
         Ok(())

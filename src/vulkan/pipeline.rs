@@ -29,6 +29,8 @@ pub(super) struct Push {
     /// Pixel in the viewport's middle, and half the viewport's side.
     pub middle: [i32; 2],
     pub half_viewport: i32,
+    /// One over that.
+    pub scale: f32,
 }
 
 const _: () = assert!(PUSH_BYTES <= 128);

@@ -3,6 +3,7 @@
 use super::jobs::{self, Draw};
 use super::memory::{Buffer, Use};
 use super::pipeline::{Kind, PUSH_BYTES, Pipelines, Push};
+use super::recorder::{Copy, Recorder};
 use super::threshold;
 use super::trims::Trims;
 use super::{Device, VulkanError};
@@ -45,13 +46,10 @@ pub struct Drawn<'a> {
 
 /// Draws meshlets; keeps its buffers from frame to frame.
 pub struct Rasterizer {
-    // Before `device`: fields are dropped in order, and buffers and pipelines hold the device themselves.
+    // Before `recorder`, whose device they hold too; `drop` waits first.
     buffers: Buffers,
     pipelines: Pipelines,
-    pool: vk::CommandPool,
-    commands: vk::CommandBuffer,
-    done: vk::Fence,
-    device: Arc<Device>,
+    recorder: Recorder,
     /// Pixels along the longer side of a quad from which on it is worth drawing here.
     large: f64,
 }
@@ -75,46 +73,18 @@ struct Frame<'a> {
     push: Push,
     draws: Vec<Draw>,
     /// From where to where words are copied for the host, and what trimming lists.
-    copies: Vec<Copied>,
-}
-
-struct Copied {
-    from: vk::Buffer,
-    to: vk::Buffer,
-    bytes: u64,
+    copies: Vec<Copy>,
 }
 
 impl Rasterizer {
     pub fn new(device: Arc<Device>) -> Result<Self, VulkanError> {
         let pipelines = Pipelines::new(&device)?;
-        let info = vk::CommandPoolCreateInfo::default()
-            .queue_family_index(device.family)
-            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
-        // SAFETY: the family is the queue's.
-        let pool = unsafe { device.raw.create_command_pool(&info, None) };
-        let pool = pool.map_err(VulkanError::of("vkCreateCommandPool"))?;
-        let mut made = Self {
-            buffers: Buffers::default(),
-            pipelines,
-            pool,
-            commands: vk::CommandBuffer::null(),
-            done: vk::Fence::null(),
-            large: threshold::stored(&device.found).unwrap_or(threshold::UNMEASURED),
-            device,
-        };
-        let info = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
-        // SAFETY: the pool was made above and lives as long as what is made here.
-        unsafe {
-            let all = made.device.raw.allocate_command_buffers(&info);
-            made.commands = all.map_err(VulkanError::of("vkAllocateCommandBuffers"))?[0];
-            let fence = made.device.raw.create_fence(&vk::FenceCreateInfo::default(), None);
-            made.done = fence.map_err(VulkanError::of("vkCreateFence"))?;
-        }
-        Ok(made)
+        let large = threshold::stored(&device.found).unwrap_or(threshold::UNMEASURED);
+        Ok(Self { buffers: Buffers::default(), pipelines, recorder: Recorder::new(device)?, large })
     }
 
     pub fn device(&self) -> &Device {
-        &self.device
+        &self.recorder.device
     }
 
     /// Pixels along the longer side of a quad from which on this device draws it faster than software, as far as that has been
@@ -125,17 +95,20 @@ impl Rasterizer {
 
     /// Draws meshlets into buffers of their own.
     pub fn draw(&mut self, input: &Input) -> Result<Drawn<'_>, VulkanError> {
+        self.recorder.check()?;
+        check(input)?;
+        let device = self.recorder.device.clone();
         let [width, height] = input.size;
-        if width.max(height) > self.device.largest {
-            let (limit, device) = (self.device.largest, self.device.found.name.clone());
+        if width.max(height) > device.largest {
+            let (limit, device) = (device.largest, device.found.name.clone());
             return Err(VulkanError::ImageTooLarge { width, height, limit, device });
         }
         loop {
             let frame = self.upload(input)?;
-            self.record(&frame)?;
-            self.run()?;
+            let pipelines = &self.pipelines;
+            self.recorder.run("drawing meshlets", |recorder| On { recorder, pipelines }.record(&frame))?;
             let trims = self.buffers.trims.as_mut().filter(|_| input.trims.is_some());
-            if trims.map_or(Ok(true), |trims| trims.has_room(&self.device))? {
+            if trims.map_or(Ok(true), |trims| trims.has_room(&device))? {
                 break;
             }
         }
@@ -147,9 +120,16 @@ impl Rasterizer {
     }
 
     fn upload<'a>(&mut self, input: &Input<'a>) -> Result<Frame<'a>, VulkanError> {
-        let Self { device, buffers, pipelines, .. } = self;
+        let Self { buffers, pipelines, recorder, .. } = self;
+        let device = &recorder.device;
         let middle = input.size.map(|n| n as i32 / 2);
-        let mut push = Push { size: input.size, middle, half_viewport: device.half_viewport as i32, ..Push::default() };
+        let mut push = Push {
+            size: input.size,
+            middle,
+            half_viewport: device.half_viewport as i32,
+            scale: 1.0 / device.half_viewport as f32,
+            ..Push::default()
+        };
         let (jobs, draws) = jobs::jobs(input, &push);
         push.patches = filled(device, &mut buffers.patches, input.patches)?;
         push.leaves = filled(device, &mut buffers.leaves, input.leaves)?;
@@ -163,50 +143,49 @@ impl Rasterizer {
         (push.near, push.spare) = (near.address, spare.address);
         let [near_words, spare_words] = &mut buffers.words;
         let mut copies = vec![
-            Copied { from: near.raw, to: room(device, near_words, bytes, Use::Download)?.raw, bytes },
-            Copied { from: spare.raw, to: room(device, spare_words, bytes, Use::Download)?.raw, bytes },
+            Copy::new(near.raw, room(device, near_words, bytes, Use::Download)?.raw, bytes),
+            Copy::new(spare.raw, room(device, spare_words, bytes, Use::Download)?.raw, bytes),
         ];
         if let Some(lists) = input.trims {
             pipelines.make(true)?;
             let trims = Trims::of(device, &mut buffers.trims, lists)?;
             push.trims = trims.tell(input.alone);
             let (count, listed) = (size_of::<u64>() as u64, trims.listed.bytes());
-            copies.push(Copied { from: trims.count.raw, to: trims.counted.raw, bytes: count });
-            copies.push(Copied { from: trims.queue.raw, to: trims.listed.raw, bytes: listed });
+            copies.push(Copy::new(trims.count.raw, trims.counted.raw, count));
+            copies.push(Copy::new(trims.queue.raw, trims.listed.raw, listed));
         }
         Ok(Frame { input: *input, push, draws, copies })
     }
+}
 
-    fn record(&self, frame: &Frame) -> Result<(), VulkanError> {
-        let (raw, commands) = (&self.device.raw, self.commands);
-        let once = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: the last frame is done, so the commands may be written anew; the buffers live until the next `upload`, which
-        // comes after this frame.
-        unsafe {
-            raw.begin_command_buffer(commands, &once).map_err(VulkanError::of("vkBeginCommandBuffer"))?;
-            // The queue of fragments may keep what it had: its count says how many there are.
-            for Copied { from, .. } in frame.copies.iter().take(3) {
-                raw.cmd_fill_buffer(commands, *from, 0, vk::WHOLE_SIZE, 0);
-            }
+/// What frames are recorded with.
+struct On<'a> {
+    recorder: &'a Recorder,
+    pipelines: &'a Pipelines,
+}
+
+impl On<'_> {
+    fn record(&self, frame: &Frame) {
+        // The queue of fragments may keep what it had: its count says how many there are.
+        for copy in frame.copies.iter().take(3) {
+            let (raw, commands) = (&self.recorder.device.raw, self.recorder.commands);
+            // SAFETY: commands are being recorded; the buffers live until the next `upload`, which comes after this frame.
+            unsafe { raw.cmd_fill_buffer(commands, copy.from, 0, vk::WHOLE_SIZE, 0) };
         }
-        self.barrier(vk::PipelineStageFlags2::CLEAR, vk::PipelineStageFlags2::FRAGMENT_SHADER);
+        let recorder = self.recorder;
+        recorder.barrier(vk::PipelineStageFlags2::CLEAR, vk::PipelineStageFlags2::FRAGMENT_SHADER);
         let [near, spare] = jobs::passes(frame.input.fill);
         self.pass(frame, near);
-        self.barrier(vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::PipelineStageFlags2::FRAGMENT_SHADER);
+        recorder.barrier(vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::PipelineStageFlags2::FRAGMENT_SHADER);
         self.pass(frame, spare);
-        self.barrier(vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::PipelineStageFlags2::COPY);
-        for &Copied { from, to, bytes } in &frame.copies {
-            // SAFETY: as above; both buffers have that room.
-            unsafe { raw.cmd_copy_buffer(commands, from, to, &[vk::BufferCopy::default().size(bytes)]) };
-        }
-        self.barrier(vk::PipelineStageFlags2::COPY, vk::PipelineStageFlags2::HOST);
-        // SAFETY: the commands were begun above.
-        unsafe { raw.end_command_buffer(commands) }.map_err(VulkanError::of("vkEndCommandBuffer"))
+        recorder.barrier(vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::PipelineStageFlags2::COPY);
+        recorder.copy(&frame.copies);
+        recorder.barrier(vk::PipelineStageFlags2::COPY, vk::PipelineStageFlags2::HOST);
     }
 
     /// All that is drawn before anybody looks at it.
     fn pass(&self, frame: &Frame, kinds: &[Kind]) {
-        let (raw, commands, [width, height]) = (&self.device.raw, self.commands, frame.input.size);
+        let (raw, commands, [width, height]) = (&self.recorder.device.raw, self.recorder.commands, frame.input.size);
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
         let rendering = vk::RenderingInfo::default().render_area(area).layer_count(1);
         let Push { middle, half_viewport, .. } = frame.push;
@@ -232,7 +211,7 @@ impl Rasterizer {
 
     /// One list of workgroups, in as many draws as it takes.
     fn meshlets(&self, draw: &Draw, push: &Push) {
-        let (raw, commands) = (&self.device.raw, self.commands);
+        let (raw, commands) = (&self.recorder.device.raw, self.recorder.commands);
         let stages = vk::ShaderStageFlags::MESH_EXT | vk::ShaderStageFlags::FRAGMENT;
         let pipeline = self.pipelines.of(draw.kind, draw.trimmed);
         let end = draw.first + draw.count;
@@ -246,51 +225,50 @@ impl Rasterizer {
                 let bytes = std::slice::from_raw_parts((&raw const push).cast::<u8>(), PUSH_BYTES as usize);
                 raw.cmd_push_constants(commands, self.pipelines.layout, stages, 0, bytes);
                 let rows = count.div_ceil(MOST_GROUPS);
-                self.device.mesh.cmd_draw_mesh_tasks(commands, count.min(MOST_GROUPS), rows, 1);
+                self.recorder.device.mesh.cmd_draw_mesh_tasks(commands, count.min(MOST_GROUPS), rows, 1);
             }
-        }
-    }
-
-    /// What comes after sees what was written before.
-    fn barrier(&self, before: vk::PipelineStageFlags2, after: vk::PipelineStageFlags2) {
-        let barriers = [vk::MemoryBarrier2::default()
-            .src_stage_mask(before)
-            .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
-            .dst_stage_mask(after)
-            .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
-        let info = vk::DependencyInfo::default().memory_barriers(&barriers);
-        // SAFETY: commands are being recorded, outside of rendering.
-        unsafe { self.device.raw.cmd_pipeline_barrier2(self.commands, &info) };
-    }
-
-    /// Runs what was recorded, to its end.
-    fn run(&self) -> Result<(), VulkanError> {
-        let (raw, all) = (&self.device.raw, [self.commands]);
-        let submits = [vk::SubmitInfo::default().command_buffers(&all)];
-        // SAFETY: the commands are recorded, the fence is not signalled, and nobody else uses the queue.
-        unsafe {
-            raw.queue_submit(self.device.queue, &submits, self.done).map_err(VulkanError::of("vkQueueSubmit"))?;
-            raw.wait_for_fences(&[self.done], true, TIMEOUT).map_err(VulkanError::of("drawing meshlets"))?;
-            raw.reset_fences(&[self.done]).map_err(VulkanError::of("vkResetFences"))
         }
     }
 }
 
 impl Drop for Rasterizer {
     fn drop(&mut self) {
-        // SAFETY: nothing runs once the wait returns; all three are this rasteriser's own.
-        unsafe {
-            let _ = self.device.raw.device_wait_idle();
-            self.device.raw.destroy_fence(self.done, None);
-            self.device.raw.destroy_command_pool(self.pool, None);
-        }
+        // Fields are dropped after this: nothing uses their buffers and pipelines any more.
+        self.recorder.device.wait_idle();
     }
 }
 
 impl std::fmt::Debug for Rasterizer {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Rasterizer").field(&self.device).finish()
+        f.debug_tuple("Rasterizer").field(&self.recorder.device).finish()
     }
+}
+
+/// Shaders read what lists say: all of it must be there.
+fn check(input: &Input) -> Result<(), VulkanError> {
+    let bad = |meshlet: usize, reason| VulkanError::BadMeshlet { meshlet, reason };
+    for (k, m) in input.meshlets.iter().enumerate() {
+        let count = m.quads.iter().map(|&n| usize::from(n) + 1).product::<usize>();
+        if m.quads.iter().any(|n| !(1..abi::MESHLET_VERTICES as u8).contains(n)) {
+            return Err(bad(k, "it has no quads, or more than 7 along a side"));
+        }
+        if m.patch as usize >= input.patches.len().min(input.leaves.len()) {
+            return Err(bad(k, "its patch is not in the lists"));
+        }
+        if m.vertices as usize + count > input.vertices.len() {
+            return Err(bad(k, "its vertices end beyond the list"));
+        }
+    }
+    for &number in input.numbers {
+        let Some(m) = input.meshlets.get(number as usize) else {
+            return Err(bad(number as usize, "there is no such meshlet"));
+        };
+        let trees = input.trims.map_or(0, |trims| trims.trees.len());
+        if m.tested != 0 && input.leaves[m.patch as usize].tree as usize >= trees {
+            return Err(bad(number as usize, "its trims are not in the list"));
+        }
+    }
+    Ok(())
 }
 
 /// A buffer with room for so many bytes: the last frame's, or a new one that is half as large again.
@@ -303,7 +281,8 @@ pub(super) fn room<'a>(
     if kept.as_ref().is_none_or(|b| b.bytes() < bytes) {
         let more = if kept.is_some() { bytes + bytes / 2 } else { bytes };
         *kept = None;
-        *kept = Some(Buffer::new(device, more, used)?);
+        // What is to spare may be too much.
+        *kept = Some(Buffer::new(device, more, used).or_else(|_| Buffer::new(device, bytes, used))?);
     }
     Ok(kept.as_mut().expect("it was made above"))
 }

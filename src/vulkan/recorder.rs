@@ -4,7 +4,7 @@ use super::rasterize::TIMEOUT;
 use super::{Device, VulkanError};
 use crate::report::Spread;
 use ash::vk;
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError};
 
 /// Records commands and waits for them.
 pub(super) struct Recorder {
@@ -23,6 +23,13 @@ pub(super) struct Copy {
     pub from: vk::Buffer,
     pub to: vk::Buffer,
     pub regions: Vec<vk::BufferCopy>,
+}
+
+impl Copy {
+    /// Of the first bytes.
+    pub fn new(from: vk::Buffer, to: vk::Buffer, bytes: u64) -> Self {
+        Self { from, to, regions: vec![vk::BufferCopy::default().size(bytes)] }
+    }
 }
 
 impl Recorder {
@@ -59,12 +66,15 @@ impl Recorder {
 
     /// Runs what `record` records, to its end. `what`: for errors.
     pub fn run(&mut self, what: &'static str, record: impl FnOnce(&Self)) -> Result<(), VulkanError> {
-        if let Some(error) = &self.failed {
-            return Err(error.clone());
-        }
+        self.check()?;
         let result = self.run_once(what, record);
         self.failed = result.clone().err();
         result
+    }
+
+    /// Refuses where something went wrong before: buffers may still be in use.
+    pub fn check(&self) -> Result<(), VulkanError> {
+        self.failed.clone().map_or(Ok(()), Err)
     }
 
     fn run_once(&self, what: &'static str, record: impl FnOnce(&Self)) -> Result<(), VulkanError> {
@@ -74,10 +84,12 @@ impl Recorder {
         unsafe { raw.begin_command_buffer(self.commands, &once) }.map_err(VulkanError::of("vkBeginCommandBuffer"))?;
         record(self);
         let submits = [vk::SubmitInfo::default().command_buffers(&all)];
-        // SAFETY: the commands were begun above; the fence is not signalled, and nobody else uses the queue.
+        // SAFETY: the commands were begun above; the fence is not signalled, and the queue is locked.
         unsafe {
             raw.end_command_buffer(self.commands).map_err(VulkanError::of("vkEndCommandBuffer"))?;
-            raw.queue_submit(self.device.queue, &submits, self.done).map_err(VulkanError::of("vkQueueSubmit"))?;
+            let queue = self.device.queue.lock().unwrap_or_else(PoisonError::into_inner);
+            raw.queue_submit(*queue, &submits, self.done).map_err(VulkanError::of("vkQueueSubmit"))?;
+            drop(queue);
             raw.wait_for_fences(&[self.done], true, TIMEOUT).map_err(VulkanError::of(what))?;
             raw.reset_fences(&[self.done]).map_err(VulkanError::of("vkResetFences"))
         }
@@ -150,9 +162,9 @@ impl Recorder {
 impl Drop for Recorder {
     fn drop(&mut self) {
         let raw = &self.device.raw;
+        self.device.wait_idle();
         // SAFETY: nothing runs once the wait returns; all three are this recorder's own, or null.
         unsafe {
-            let _ = raw.device_wait_idle();
             raw.destroy_query_pool(self.queries, None);
             raw.destroy_fence(self.done, None);
             raw.destroy_command_pool(self.pool, None);

@@ -139,6 +139,7 @@ impl Tessellator {
 
     /// Every vertex that the hardware asks for, as the evaluation shader emits it.
     pub fn evaluate(&mut self, input: &Tessellation) -> Result<Tessellated, VulkanError> {
+        self.recorder.check()?;
         let Prepared { pieces, bins, push } = self.prepare(input, true)?;
         let count: usize = pieces.iter().map(Piece::stored).sum();
         let samples = self.store(push, count, |on, push| draw(on, &bins, push))?;
@@ -147,6 +148,7 @@ impl Tessellator {
 
     /// Milliseconds to evaluate and discard all vertices, on the device's clock.
     pub fn time(&mut self, input: &Tessellation, rounds: u32) -> Result<Spread, VulkanError> {
+        self.recorder.check()?;
         let Prepared { bins, push, .. } = self.prepare(input, false)?;
         self.clock(push, rounds, |on, push| draw(on, &bins, push))
     }
@@ -334,8 +336,8 @@ fn check(input: &Tessellation) -> Result<(), VulkanError> {
 
 impl Drop for Tessellator {
     fn drop(&mut self) {
-        // SAFETY: the device is alive. Fields are dropped after this: nothing uses their buffers and pipelines any more.
-        let _ = unsafe { self.recorder.device.raw.device_wait_idle() };
+        // Fields are dropped after this: nothing uses their buffers and pipelines any more.
+        self.recorder.device.wait_idle();
     }
 }
 

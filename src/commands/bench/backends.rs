@@ -7,8 +7,9 @@ use crate::commands::args::FrameArgs;
 use crate::commands::used::Used;
 use crate::report::{Cell, Machine, Table, name};
 use crate::scene::{Camera, Scene};
-use crate::stages::{Bound, Engine, Fill, Frame, FrameShape, Grid, Options, RenderError, Renderer};
+use crate::stages::{Bound, Engine, Fill, Frame, FrameShape, Grid, Options, Precision, RenderError, Renderer};
 use anyhow::Result;
+use std::process::ExitCode;
 
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
@@ -44,10 +45,36 @@ const FRAMES: usize = 3;
 struct Finding {
     model: String,
     options: Options,
-    outcome: Result<Difference, RenderError>,
+    outcome: Result<Difference, Refused>,
 }
 
-pub fn run(args: &Args) -> Result<()> {
+/// A frame that was not drawn.
+pub(super) struct Refused {
+    pub(super) error: RenderError,
+    /// By the CPU for the same reason.
+    pub(super) alike: bool,
+}
+
+impl Refused {
+    pub(super) fn note(&self) -> String {
+        let who = if self.alike { "refused" } else { "REFUSED BY ONE ALONE" };
+        format!("{who}: {}", self.error)
+    }
+}
+
+/// The CPU's frame and a device's; or why there are not both.
+pub(super) fn both(
+    cpu: Result<Frame, RenderError>,
+    device: Result<Frame, RenderError>,
+) -> Result<(Frame, Frame), Refused> {
+    match (cpu, device) {
+        (Ok(cpu), Ok(device)) => Ok((cpu, device)),
+        (Err(cpu), Err(error)) => Err(Refused { alike: cpu == error, error }),
+        (Err(error), Ok(_)) | (Ok(_), Err(error)) => Err(Refused { error, alike: false }),
+    }
+}
+
+pub fn run(args: &Args) -> Result<ExitCode> {
     let engine = args.frame.backend.engine()?;
     if matches!(engine, Engine::Cpu) {
         return Err(UsageError(
@@ -71,8 +98,9 @@ pub fn run(args: &Args) -> Result<()> {
         Ok(())
     })?;
     let machine = Machine { device: used.device, ..Machine::here(used.threads) };
-    let different: u64 = found.iter().filter_map(|f| f.outcome.as_ref().ok()).map(|d| d.words + d.colors).sum();
-    let verdict = if different == 0 { "All words and colours are the same." } else { "THERE ARE DIFFERENCES." };
+    let same = |f: &Finding| f.outcome.as_ref().map_or_else(|refused| refused.alike, |d| d.words + d.colors == 0);
+    let differ = !found.iter().all(same);
+    let verdict = if differ { "THERE ARE DIFFERENCES." } else { "All words and colours are the same." };
     let [width, height] = args.frame.size;
     let sheet = Sheet {
         suite: "backends",
@@ -86,21 +114,20 @@ pub fn run(args: &Args) -> Result<()> {
         backend: used.backend,
         machine,
     };
-    sheet.publish(&args.results)
+    sheet.publish(&args.results)?;
+    // Another precision has words of its own.
+    let fails = differ && args.frame.options().precision == Precision::F32;
+    Ok(if fails { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
 /// A device's first frame asks for the lengths of its lists, the next one has room for them, and the third one is run as a whole:
 /// whichever differs most.
-fn worst(
-    scene: &Scene,
-    renderer: &mut Renderer,
-    camera: &Camera,
-    options: &Options,
-) -> Result<Difference, RenderError> {
-    let expected = Renderer::new(scene).render(camera, options)?;
+fn worst(scene: &Scene, renderer: &mut Renderer, camera: &Camera, options: &Options) -> Result<Difference, Refused> {
     let mut worst = Difference::default();
     for _ in 0..FRAMES {
-        let found = Difference::of(&expected, &renderer.render(camera, options)?);
+        let cpu = Renderer::new(scene).render(camera, &Options { precision: Precision::F32, ..*options });
+        let (expected, frame) = both(cpu, renderer.render(camera, options))?;
+        let found = Difference::of(&expected, &frame);
         if worst.pixels == 0 || found.words + found.colors > worst.words + worst.colors {
             worst = found;
         }
@@ -179,7 +206,7 @@ fn table(found: &[Finding], stamped: &[Cell]) -> Table {
             number(|d| d.parameter),
             count(|d| d.colors),
             number(|d| d.color),
-            outcome.as_ref().err().map_or(String::new(), |refused| format!("refused: {refused}")).into(),
+            outcome.as_ref().err().map_or(String::new(), Refused::note).into(),
         ];
         table.push(cells.into_iter().chain(stamped.iter().cloned()).collect());
     }

@@ -120,7 +120,7 @@ struct Findings {
 
 pub fn run(args: Args) -> Result<ExitCode> {
     match args.suite {
-        Suite::Backends(args) => backends::run(&args)?,
+        Suite::Backends(args) => return backends::run(&args),
         Suite::Contract(args) => contract::run(&args)?,
         Suite::Evaluate(args) => evaluate::run(&args)?,
         Suite::Frame(args) => frame::run(&args)?,
