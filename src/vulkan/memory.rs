@@ -70,10 +70,10 @@ impl Buffer {
         let needs = unsafe { raw.get_buffer_memory_requirements(self.raw) };
         let mut flags = vk::MemoryAllocateFlagsInfo::default().flags(vk::MemoryAllocateFlags::DEVICE_ADDRESS);
         let mut info = vk::MemoryAllocateInfo::default().allocation_size(needs.size);
-        info = info.memory_type_index(memory_type(&self.device.memory, needs.memory_type_bits, used));
         if used != Use::Download {
             info = info.push_next(&mut flags);
         }
+        let [best, enough] = memory_types(&self.device.memory, needs.memory_type_bits, used);
         let bytes = needs.size;
         let failed = |code| match code {
             vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
@@ -84,7 +84,11 @@ impl Buffer {
         // SAFETY: `info` names a memory type of this device. The memory is bound to the buffer it was made for, mapped as a
         // whole, once, where the host sees it, and freed after the buffer.
         unsafe {
-            self.memory = raw.allocate_memory(&info, None).map_err(failed)?;
+            // Where the best memory is full, other memory will do.
+            self.memory = raw
+                .allocate_memory(&info.memory_type_index(best), None)
+                .or_else(|_| raw.allocate_memory(&info.memory_type_index(enough), None))
+                .map_err(failed)?;
             raw.bind_buffer_memory(self.raw, self.memory, 0).map_err(VulkanError::of("vkBindBufferMemory"))?;
             if used != Use::Download {
                 let info = vk::BufferDeviceAddressInfo::default().buffer(self.raw);
@@ -139,8 +143,8 @@ impl Drop for Buffer {
     }
 }
 
-/// The best type of memory among those allowed. Vulkan promises one that the host sees, coherently.
-fn memory_type(memory: &vk::PhysicalDeviceMemoryProperties, allowed: u32, used: Use) -> u32 {
+/// The best type of memory among those allowed, and one that will do. Vulkan promises one that the host sees, coherently.
+fn memory_types(memory: &vk::PhysicalDeviceMemoryProperties, allowed: u32, used: Use) -> [u32; 2] {
     use vk::MemoryPropertyFlags as Flags;
     let host = Flags::HOST_VISIBLE | Flags::HOST_COHERENT;
     let (best, enough) = match used {
@@ -155,5 +159,6 @@ fn memory_type(memory: &vk::PhysicalDeviceMemoryProperties, allowed: u32, used: 
         })
     };
     // A small window of device memory that the host sees is left to others.
-    first(best, 1 << 30).or_else(|| first(enough, 0)).unwrap_or(0) as u32
+    let enough = first(enough, 0).unwrap_or(0);
+    [first(best, 1 << 30).unwrap_or(enough), enough].map(|k| k as u32)
 }
