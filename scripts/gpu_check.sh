@@ -93,26 +93,45 @@ export backend program
 sanitize() {
     local tool=$1 compute
     compute=$(command -v compute-sanitizer || ls /usr/local/cuda*/bin/compute-sanitizer 2>/dev/null | head -1)
-    step "$tool" 50 "${compute:-compute-sanitizer}" --tool "$tool" --error-exitcode 9 --print-limit 20 \
+    if [ -z "$compute" ]; then
+        echo "$tool,no compute-sanitizer: left out,0,0" | tee -a "$out/steps.csv"
+        return
+    fi
+    step "$tool" 50 "$compute" --tool "$tool" --error-exitcode 9 --print-limit 20 \
         "$program" render builtin:trimmed:drilled --backend cuda --size 96x64 -o "$work/$tool.png"
 }
 
+# The library's faces, as many surfaces as ETER's Lego: the large scenes. LIMIT and that of copies of it, 0: none.
+library() {
+    local limit=$1 copies=$2
+    shift 2
+    if [ -z "$unpacked" ] || ! wait "$unpacked"; then
+        echo "library,not in the bundle: left out,0,0" | tee -a "$out/steps.csv"
+        return
+    fi
+    find library -type f | sort >files.txt
+    # The emulator takes the smallest few.
+    [ "$backend" = cuda ] || { find library -type f -printf '%s %p\n' | sort -n | head -3 | cut -d' ' -f2- >files.txt; }
+    bench library "$limit" frame @files.txt --patches 1 --layout grid "$@"
+    [ "$copies" -eq 0 ] || bench library-copies "$copies" frame @files.txt --frames 3 --layout grid "$@"
+}
+
+# What matters most comes first: where the time ends, the rest is left out, and said so.
 step facts 20 bash -c facts
 if [ "$backend" = cuda ]; then
-    step load 60 "$program" devices --load
-    bench backends 90 backends models/* --size 640x360
+    step load 30 "$program" devices --load
+    bench backends 60 backends models/* --size 640x360
     bench matrix 45 matrix models/teapot.bpt models/killeroo.bpt models/NIST_MBE_PMI_2.stp --pairwise --size 320x240
     step verify 30 "$program" verify models/teapot.bpt --backend cuda --size 640x360 --samples 2000 --json
-    raster models/teapot.bpt models/killeroo.bpt models/NIST_MBE_PMI_2.stp --samples 300 --size 1920x1080
     bench evaluate 60 evaluate
     bench frame 60 frame models/killeroo.bpt --samples 300 --size 1920x1080
+    library 60 90 --samples 100 --size 1920x1080
+    raster models/teapot.bpt models/killeroo.bpt models/NIST_MBE_PMI_2.stp --samples 300 --size 1920x1080
     sanitize memcheck
     sanitize racecheck
-    bench frame-720p 40 frame models/killeroo.bpt --samples 0 --size 1280x720
     bench precision 60 precision
     bench frame-trimmed 40 frame models/NIST_MBE_PMI_2.stp --samples 300 --size 1920x1080
-    library=(--samples 100 --size 1920x1080 --layout grid)
-    limits=(60 90)
+    bench frame-720p 40 frame models/killeroo.bpt --samples 0 --size 1280x720
 else
     bench backends 120 backends models/teapot.bpt models/screw.step --size 96x64
     bench matrix 60 matrix models/teapot.bpt --pairwise --size 96x64
@@ -120,17 +139,7 @@ else
     bench evaluate 120 evaluate --patches 4
     bench precision 120 precision --patches 2
     bench frame 120 frame models/teapot.bpt --patches 128 --frames 1 --samples 50 --size 96x64
-    library=(--frames 1 --samples 0 --size 96x64 --layout grid)
-    limits=(120 0)
-fi
-if [ -n "$unpacked" ] && wait "$unpacked"; then
-    find library -type f | sort >files.txt
-    # The emulator takes the smallest few.
-    [ "$backend" = cuda ] || { find library -type f -printf '%s %p\n' | sort -n | head -3 | cut -d' ' -f2- >files.txt; }
-    bench library "${limits[0]}" frame @files.txt --patches 1 "${library[@]}"
-    [ "${limits[1]}" -eq 0 ] || bench library-copies "${limits[1]}" frame @files.txt --frames 3 "${library[@]}"
-else
-    echo "library,not in the bundle,0,0" | tee -a "$out/steps.csv"
+    library 120 0 --frames 1 --samples 0 --size 96x64
 fi
 
 {
