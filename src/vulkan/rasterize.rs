@@ -80,7 +80,32 @@ impl Rasterizer {
     pub fn new(device: Arc<Device>) -> Result<Self, VulkanError> {
         let pipelines = Pipelines::new(&device)?;
         let large = threshold::stored(&device.found).unwrap_or(threshold::UNMEASURED);
-        Ok(Self { buffers: Buffers::default(), pipelines, recorder: Recorder::new(device)?, large })
+        let mut made = Self { buffers: Buffers::default(), pipelines, recorder: Recorder::new(device)?, large };
+        made.probe()?;
+        Ok(made)
+    }
+
+    /// Shaders can only refuse what hardware proposes, and Vulkan leaves to it what happens to centres on an edge: a square whose
+    /// sides and diagonal run through pixel centres must have its left and its top ones.
+    fn probe(&mut self) -> Result<(), VulkanError> {
+        let corners = [[128, 128], [128, 640], [640, 128], [640, 640]];
+        let drawn = self.draw(&Input {
+            size: [4, 4],
+            fill: Fill::Off,
+            patches: &[abi::Patch { quads: [1, 1], degree: [1, 1], ..Default::default() }],
+            leaves: &[abi::Leaf::default()],
+            meshlets: &[abi::Meshlet { quads: [1, 1], ..Default::default() }],
+            vertices: &corners.map(|[x, y]| abi::Vertex { x, y, depth: 0.5, weight: 1.0 }),
+            numbers: &[0],
+            trims: None,
+            alone: false,
+        })?;
+        let covered: Vec<usize> = (0..16).filter(|&k| drawn.near[k] != 0).collect();
+        if covered == [0, 1, 4, 5] {
+            return Ok(());
+        }
+        let device = self.recorder.device.found.name.clone();
+        Err(VulkanError::Unfit { device, missing: vec!["the top-left rule".into()] })
     }
 
     pub fn device(&self) -> &Device {
