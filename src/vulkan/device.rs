@@ -31,6 +31,8 @@ pub struct Device {
     pub(super) queue: Mutex<vk::Queue>,
     pub(super) family: u32,
     pub(super) memory: vk::PhysicalDeviceMemoryProperties,
+    /// Bytes of a buffer.
+    pub(super) largest_buffer: u64,
     /// Half the side of the viewport in pixels, a power of two.
     pub(super) half_viewport: u32,
     /// Pixels a side of what can be drawn.
@@ -265,6 +267,10 @@ impl Device {
             let memory = instance.raw.get_physical_device_memory_properties(physical);
             (queue, memory, instance.raw.get_physical_device_properties(physical).limits)
         };
+        let mut buffers = vk::PhysicalDeviceMaintenance4Properties::default();
+        let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut buffers);
+        // SAFETY: the chain is alive; a device of 1.3 accepts it.
+        unsafe { instance.raw.get_physical_device_properties2(physical, &mut properties) };
         let mesh = ext::mesh_shader::Device::new(&instance.raw, &raw);
         let [width, height] = limits.max_viewport_dimensions;
         let viewport = 1 << width.min(height).min(LARGEST_VIEWPORT).ilog2();
@@ -279,6 +285,7 @@ impl Device {
             queue: Mutex::new(queue),
             family,
             memory,
+            largest_buffer: buffers.max_buffer_size,
             half_viewport: viewport / 2,
             largest,
             tessellation: if tessellates { Ok(limits.max_tessellation_generation_level) } else { Err(lacking) },

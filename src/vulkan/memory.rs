@@ -49,6 +49,9 @@ impl Buffer {
             }
             Use::Download => vk::BufferUsageFlags::TRANSFER_DST,
         };
+        if bytes > device.largest_buffer {
+            return Err(VulkanError::OutOfMemory { what: "a buffer larger than the device allows", bytes });
+        }
         let info = vk::BufferCreateInfo::default().size(bytes.max(16)).usage(usage);
         // SAFETY: `info` is valid and the device is alive.
         let raw = unsafe { device.raw.create_buffer(&info, None) }.map_err(VulkanError::of("vkCreateBuffer"))?;

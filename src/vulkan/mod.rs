@@ -85,9 +85,6 @@ impl VulkanError {
     fn of(what: &'static str) -> impl Fn(vk::Result) -> Self {
         move |code| match code {
             vk::Result::ERROR_DEVICE_LOST => Self::Lost { what },
-            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
-                Self::OutOfMemory { what, bytes: 0 }
-            }
             _ => Self::Call { what, code },
         }
     }
