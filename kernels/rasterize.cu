@@ -2,8 +2,9 @@
 //
 // A group of lanes a meshlet, a lane a triangle or an edge; what has many pixels is drawn by all of them together. The staged
 // frame draws all meshlets by warps, from vertices in memory. The fused frame sorts them into classes first, so that small
-// grids leave no lane idle (research "kernel-study", question 3), and evaluates the vertices here: those of single quads and of
-// rows of them in registers, others in shared memory. Small grids that are large on the screen go to the class of large ones.
+// grids leave no lane idle (research "kernel-study", question 3), and in each class by degree and by how large quads are. It
+// evaluates the vertices here: those of single quads and of rows of them in registers, others in shared memory. Small grids
+// that are large on the screen go to the class of large ones.
 #include "bands.cuh"
 
 namespace rasterize {
@@ -15,11 +16,12 @@ struct List {
     uint32_t length;
 };
 
-// Classes of meshlets, each by degrees: 1, 2, 3, and all others. A warp whose meshlets are alike does as one.
-constexpr int CORNERS = 0, STRIPS = 1, NARROW = 2, WIDE = 3, CLASSES = 4, DEGREES = 4;
-// Places in the list of counts: meshlets by class and degree, how many of them have been listed, and what few lanes handed on
-// to the wide ones.
-constexpr int CURSORS = CLASSES * DEGREES, HANDED_ON = 2 * CLASSES * DEGREES;
+// Classes of meshlets, each by degrees (1, 2, 3, and all others) and, within these, by boxes of quads (up to 4 pixels a side,
+// up to 16, larger ones). A warp whose meshlets are alike does as one; it waits for its largest box.
+constexpr int CORNERS = 0, STRIPS = 1, NARROW = 2, WIDE = 3, CLASSES = 4, DEGREES = 4, BOXES = 3, BINS = DEGREES * BOXES;
+// Places in the list of counts: meshlets by class and bin, how many of them have been listed, and what few lanes handed on to
+// the wide ones.
+constexpr int CURSORS = CLASSES * BINS, HANDED_ON = 2 * CLASSES * BINS;
 // Pixels of a triangle's box that few lanes are enough for.
 constexpr i64 MOST_PIXELS = 1024;
 
@@ -60,17 +62,17 @@ static __device__ __forceinline__ bool is_large(const outlines::Group<LANES> &gr
     return group.ballot(large) != 0;
 }
 
-// Meshlets of a class with degrees below one's place.
-static __device__ __forceinline__ uint32_t before(Buffer<const uint32_t> counts, int which, int degree) {
+// Meshlets of a class in bins before one.
+static __device__ __forceinline__ uint32_t before(Buffer<const uint32_t> counts, int which, int bin) {
     uint32_t sum = 0;
-    for (int k = 0; k < degree; k++) {
-        sum += counts[which * DEGREES + k];
+    for (int k = 0; k < bin; k++) {
+        sum += counts[which * BINS + k];
     }
     return sum;
 }
 
 static __device__ __forceinline__ void hand_on(Buffer<uint32_t> wide, Buffer<uint32_t> counts, uint32_t number) {
-    wide[before(counts, WIDE, DEGREES) + atomicAdd(&counts[HANDED_ON], 1u)] = number;
+    wide[before(counts, WIDE, BINS) + atomicAdd(&counts[HANDED_ON], 1u)] = number;
 }
 
 // What is drawn: triangles into the near buffer, or, once that is done, strokes into the spare one. Apart, they take half the
@@ -139,7 +141,10 @@ static __device__ __forceinline__ void meshlets(const Geometry &in, uint32_t cou
     SHARED(Vertex, tiles, [GROUPS][VERTICES]);
     const outlines::Group<LANES> group = outlines::Group<LANES>::here();
     const int own = threadIdx.x / LANES;
-    for (uint32_t k = blockIdx.x * GROUPS + own; k < list.length; k += gridDim.x * GROUPS) {
+    // Where there are fewer than warps, each block has one before any has two.
+    const bool few = LANES == 32 && list.length < gridDim.x * GROUPS;
+    for (uint32_t k = few ? own * gridDim.x + blockIdx.x : blockIdx.x * GROUPS + own; k < list.length;
+         k += gridDim.x * GROUPS) {
         const uint32_t number = list.numbers ? list.numbers[k] : k;
         // Not a copy, which would take registers.
         const Meshlet &m = in.meshlets[number];
@@ -184,7 +189,16 @@ KERNEL(rasterize_strokes)
 
 namespace rasterize {
 
-// Where a meshlet belongs: class and degree; -1: trim draws it.
+// How large a patch's quads are, as a place among `BOXES`: from its reach in pixels, as its rounding bound has it
+// (`cull::rounding_bound`).
+static __device__ __forceinline__ int box_bin(const Patch &patch) {
+    const float gamma = float(patch.degree[0] + patch.degree[1] + 8);
+    const float reach = patch.rounding * 16777216.0f / (2.0f * gamma + 2.0f);
+    const float side = 2.0f * reach / float(max(max(int(patch.quads[0]), int(patch.quads[1])), 1));
+    return side <= 4.0f ? 0 : side <= 16.0f ? 1 : 2;
+}
+
+// Where a meshlet belongs: class, degree and box; -1: trim draws it.
 static __device__ __forceinline__ int bin_of(const Meshlet &m, const Patch &patch) {
     if (m.tested) {
         return -1;
@@ -192,7 +206,8 @@ static __device__ __forceinline__ int bin_of(const Meshlet &m, const Patch &patc
     const int points = (m.quads[0] + 1) * (m.quads[1] + 1);
     const bool row = m.quads[0] == 1 || m.quads[1] == 1;
     const int which = points == 4 ? CORNERS : row ? STRIPS : points <= 16 ? NARROW : WIDE;
-    return which * DEGREES + min(max(max(int(patch.degree[0]), int(patch.degree[1])), 1), DEGREES) - 1;
+    const int degree = min(max(max(int(patch.degree[0]), int(patch.degree[1])), 1), DEGREES) - 1;
+    return (which * DEGREES + degree) * BOXES + box_bin(patch);
 }
 
 // One more of a bin, with one atomic for all of a warp's; all lanes together. Its place among those of the bin.
@@ -208,7 +223,7 @@ static __device__ __forceinline__ uint32_t next(Buffer<uint32_t> counters, int b
 
 } // namespace rasterize
 
-// Counts them by class and degree.
+// Counts them by class and bin.
 extern "C" __global__ void __launch_bounds__(THREADS)
     rasterize_classes(Buffer<const Patch> patches, Buffer<const Meshlet> meshlets, Count count, Buffer<uint32_t> counts) {
     const uint32_t k = blockIdx.x * THREADS + threadIdx.x;
@@ -216,7 +231,7 @@ extern "C" __global__ void __launch_bounds__(THREADS)
 }
 KERNEL(rasterize_classes)
 
-// Sorts them: a list with room for all for each class, in order of degrees.
+// Sorts them: a list with room for all for each class, in order of bins.
 extern "C" __global__ void __launch_bounds__(THREADS)
     rasterize_sort(Buffer<const Patch> patches, Buffer<const Meshlet> meshlets, Count count, Buffer<uint32_t> counts,
                    Buffer<uint32_t> corners, Buffer<uint32_t> strips, Buffer<uint32_t> narrow, Buffer<uint32_t> wide) {
@@ -224,12 +239,12 @@ extern "C" __global__ void __launch_bounds__(THREADS)
     const int bin = k < count.get() ? rasterize::bin_of(meshlets[k], patches[meshlets[k].patch]) : -1;
     const uint32_t place = rasterize::next(counts + rasterize::CURSORS, bin);
     if (bin >= 0) {
-        const int which = bin / rasterize::DEGREES;
+        const int which = bin / rasterize::BINS;
         const Buffer<uint32_t> list = which == rasterize::CORNERS  ? corners
                                       : which == rasterize::STRIPS ? strips
                                       : which == rasterize::NARROW ? narrow
                                                                    : wide;
-        list[rasterize::before(counts, which, bin % rasterize::DEGREES) + place] = k;
+        list[rasterize::before(counts, which, bin % rasterize::BINS) + place] = k;
     }
 }
 KERNEL(rasterize_sort)
@@ -240,7 +255,7 @@ KERNEL(rasterize_sort)
              Buffer<Word> near, Buffer<Word> spare, const __grid_constant__ bands::Bands bands) {                      \
         const Geometry in = GEOMETRY_ARGUMENTS;                                                                        \
         const bool all_wide = rasterize::CLASS == rasterize::WIDE;                                                     \
-        const uint32_t length = rasterize::before(counts, rasterize::CLASS, rasterize::DEGREES)                        \
+        const uint32_t length = rasterize::before(counts, rasterize::CLASS, rasterize::BINS)                        \
                                 + (all_wide ? counts[rasterize::HANDED_ON] : 0);                                       \
         const rasterize::List list = {numbers, length};                                                                \
         rasterize::meshlets<rasterize::PART, LANES, VERTICES>(in, all.get(), list, wide, counts, {near, spare, bands}); \
@@ -253,7 +268,7 @@ KERNEL(rasterize_sort)
         name(GEOMETRY, Count, Buffer<const uint32_t> numbers, Buffer<uint32_t> wide, Buffer<uint32_t> counts,          \
              Buffer<Word> near, Buffer<Word>, const __grid_constant__ bands::Bands) {                                  \
         const Geometry in = GEOMETRY_ARGUMENTS;                                                                        \
-        const uint32_t length = rasterize::before(counts, rasterize::CLASS, rasterize::DEGREES);                       \
+        const uint32_t length = rasterize::before(counts, rasterize::CLASS, rasterize::BINS);                       \
         for (uint32_t k = blockIdx.x * THREADS + threadIdx.x; k < length; k += gridDim.x * THREADS) {                  \
             const uint32_t number = numbers[k];                                                                        \
             const Meshlet m = in.meshlets[number];                                                                     \

@@ -4,8 +4,8 @@ use super::frame::Stages;
 use super::session::THREADS;
 use super::{Argument, Gpu, GpuError};
 
-/// Counts of rasterize.cu: by class and degree, twice, and one more.
-const COUNTS: usize = 2 * 4 * 4 + 1;
+/// Counts of rasterize.cu: by class, degree and box, twice, and one more.
+const COUNTS: usize = 2 * 4 * 4 * 3 + 1;
 /// Blocks of kernels that go through a list of unknown length: several times as many as any device runs at once.
 const MOST_BLOCKS: usize = 1 << 13;
 
