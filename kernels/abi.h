@@ -154,9 +154,13 @@ struct alignas(16) Meshlet {
     uint8_t quads[2];
     /// Which of its sides (u=0, u=1, v=0, v=1) are the patch's, or border on a meshlet that is trimmed away: bits 0 to 3.
     uint8_t outer;
-    /// 1: a trim curve crosses it.
+    /// MESHLET_TESTED and MESHLET_ELSEWHERE.
     uint8_t tested;
 };
+/// A trim curve crosses it.
+static const uint8_t MESHLET_TESTED = 1;
+/// Mesh shaders draw it.
+static const uint8_t MESHLET_ELSEWHERE = 2;
 
 /// A projected vertex, snapped.
 struct alignas(16) Vertex {

@@ -113,7 +113,7 @@ extern "C" __global__ void __launch_bounds__(THREADS, trim::BLOCKS)
                   Buffer<Fragment> queue, Buffer<uint64_t> counted, const __grid_constant__ bands::Bands bands) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * trim::WARPS + threadIdx.x / 32;
-    if (number >= count.get() || !in.meshlets[number].tested) {
+    if (number >= count.get() || in.meshlets[number].tested != MESHLET_TESTED) {
         return;
     }
     const Meshlet m = in.meshlets[number];
@@ -193,7 +193,7 @@ extern "C" __global__ void __launch_bounds__(THREADS, trim::BLOCKS)
                  Buffer<Word> spare) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * trim::WARPS + threadIdx.x / 32;
-    if (number >= count.get() || !in.meshlets[number].tested) {
+    if (number >= count.get() || in.meshlets[number].tested != MESHLET_TESTED) {
         return;
     }
     // Not a copy, which would take registers.

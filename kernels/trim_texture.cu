@@ -196,7 +196,7 @@ extern "C" __global__ void __launch_bounds__(THREADS, 2)
                      Buffer<TextureCounts> counts) {
     const Geometry in = GEOMETRY_ARGUMENTS;
     const uint32_t number = blockIdx.x * trim_texture::WARPS + threadIdx.x / 32;
-    if (number >= count.get() || !in.meshlets[number].tested) {
+    if (number >= count.get() || in.meshlets[number].tested != MESHLET_TESTED) {
         return;
     }
     const Meshlet m = in.meshlets[number];

@@ -99,6 +99,9 @@ struct Meshlet {
     uint8_t tested;
 };
 
+const uint8_t MESHLET_TESTED = 1;
+const uint8_t MESHLET_ELSEWHERE = 2;
+
 struct Vertex {
     int x;
     int y;

@@ -137,8 +137,8 @@ impl FrameArgs {
             return Ok(());
         }
         let name = self.raster.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default();
-        if matches!(self.backend, Backend::Cuda | Backend::Emulated) {
-            let why = "draws the frames of the CPU alone in this version: add --backend cpu";
+        if self.frame == Some(FrameShape::Fused) {
+            let why = "draws vertices that are in memory: add --frame staged";
             return Err(UsageError(format!("--raster {name} {why}")).into());
         }
         let missing = backend::vulkan_missing();

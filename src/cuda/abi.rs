@@ -272,7 +272,7 @@ pub struct Meshlet {
     pub quads: [u8; 2usize],
     /// Which of its sides (u=0, u=1, v=0, v=1) are the patch's, or border on a meshlet that is trimmed away: bits 0 to 3.
     pub outer: u8,
-    /// 1: a trim curve crosses it.
+    /// MESHLET_TESTED and MESHLET_ELSEWHERE.
     pub tested: u8,
 }
 #[allow(clippy::unnecessary_operation, clippy::identity_op)]
@@ -298,6 +298,10 @@ const _: () = {
         "Offset of field: Meshlet::tested",
     ][::core::mem::offset_of!(Meshlet, tested) - 15usize];
 };
+/// A trim curve crosses it.
+pub const MESHLET_TESTED: u8 = 1;
+/// Mesh shaders draw it.
+pub const MESHLET_ELSEWHERE: u8 = 2;
 /// A projected vertex, snapped.
 #[repr(C)]
 #[repr(align(16))]

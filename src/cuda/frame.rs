@@ -2,6 +2,7 @@
 
 use super::count::{Count, List};
 use super::evaluate::evaluate;
+use super::hardware::{ByHardware, Hardware};
 use super::session::{Geometry, Session};
 use super::trims::TrimPointers;
 use super::{Buffer, Gpu, GpuError, Pod, Pointer, abi};
@@ -19,6 +20,9 @@ pub(crate) struct Drawn {
     pub filled: Vec<u32>,
     /// Fragments that were tested and what became of them.
     pub trim: TrimCounts,
+    /// Triangles that mesh shaders were given, and what was copied for that.
+    pub triangles_hardware: u64,
+    pub bytes_copied: u64,
     pub buffer_bytes: u64,
 }
 
@@ -33,6 +37,8 @@ pub(crate) type Ended<'a> = &'a mut dyn FnMut(&'static str);
 /// What cull, estimate and the list of meshlets left on the device.
 pub(crate) struct Input {
     pub geometry: Geometry,
+    /// How many leaves there are.
+    pub leaves: Count,
     /// In ETER's shape: all meshlets are drawn by warps, from vertices in memory.
     pub staged: bool,
     pub trims: TrimPointers,
@@ -47,16 +53,20 @@ pub(crate) struct Input {
 pub(crate) fn draw<G: Gpu>(
     session: &mut Session<'_, G>,
     input: &Input,
+    hardware: Option<&mut Hardware>,
     ended: Ended,
 ) -> Result<Option<Drawn>, GpuError> {
-    Stages::new(session, input)?.run(input, ended)
+    Stages::new(session, input)?.run(input, hardware, ended)
 }
 
 pub(super) struct Stages<'s, 'g, G: Gpu> {
     pub session: &'s mut Session<'g, G>,
     pub geometry: Geometry,
+    pub leaves: Count,
     pub staged: bool,
     pub trims: TrimPointers,
+    pub textured: bool,
+    pub hardware: ByHardware,
     pub near: Buffer<u64>,
     pub spare: Buffer<u64>,
     pub parameters: Buffer<[f32; 2]>,
@@ -70,13 +80,16 @@ pub(super) type Pixels = List<abi::Filled>;
 
 impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
     fn new(session: &'s mut Session<'g, G>, input: &Input) -> Result<Self, GpuError> {
-        let Input { geometry, staged, trims, .. } = *input;
+        let Input { geometry, leaves, staged, trims, textured, .. } = *input;
         let view = geometry.view;
         let pixels = view.size[0] as usize * view.size[1] as usize;
         Ok(Self {
             geometry,
+            leaves,
             staged,
             trims,
+            textured,
+            hardware: ByHardware::default(),
             near: session.zeroed(pixels)?,
             spare: session.zeroed(pixels)?,
             parameters: session.allocate(pixels)?,
@@ -86,11 +99,14 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
         })
     }
 
-    fn run(&mut self, input: &Input, ended: Ended) -> Result<Option<Drawn>, GpuError> {
+    fn run(&mut self, input: &Input, hardware: Option<&mut Hardware>, ended: Ended) -> Result<Option<Drawn>, GpuError> {
         if let Some(vertices) = self.geometry.vertices {
             self.session.group("vertices", |session| evaluate(session, &self.geometry, &vertices))?;
         }
         self.end("evaluate", ended)?;
+        if let Some(hardware) = hardware {
+            self.group("hardware", |stages| stages.rasterize_by_hardware(hardware))?;
+        }
         self.rasterize()?;
         self.end("rasterize", ended)?;
         let trim = match (input.trimmed, input.textured) {
@@ -115,6 +131,8 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
                 shown: stages.shown()?,
                 filled: stages.filled(&filled)?,
                 trim: trim.counts(stages.session)?,
+                triangles_hardware: stages.hardware.triangles,
+                bytes_copied: stages.hardware.copied,
                 buffer_bytes: stages.session.bytes(),
             }))
         })
@@ -202,6 +220,7 @@ impl Trimmed {
     fn counts<G: Gpu>(self, session: &mut Session<G>) -> Result<TrimCounts, GpuError> {
         let Some(counted) = self.counted else { return Ok(self.known) };
         let mut of = |k: usize| session.value(counted.offset(k));
-        Ok(TrimCounts { tested: of(0)?, rejected: of(1)?, proposed: of(2)?, ..self.known })
+        let known = self.known.tested;
+        Ok(TrimCounts { tested: known + of(0)?, rejected: of(1)?, proposed: of(2)?, ..self.known })
     }
 }

@@ -3,6 +3,7 @@
 
 use super::{CudaError, abi};
 use crate::emulated::LaunchError;
+use crate::vulkan::VulkanError;
 use std::marker::PhantomData;
 use thiserror::Error;
 
@@ -135,6 +136,8 @@ pub enum GpuError {
     Emulated(#[from] LaunchError),
     #[error(transparent)]
     Cuda(#[from] CudaError),
+    #[error("--raster: {0}")]
+    Vulkan(#[from] VulkanError),
     #[error("a frame that asked for all its numbers had no room for something")]
     Unsettled,
     #[error("this view needs {needed} {what}; a frame holds {limit}")]

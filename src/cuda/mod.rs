@@ -16,6 +16,7 @@
 //! | `frame.rs` | the frame after estimate: its buffers and the order of its stages |
 //! | `gpu.rs` | memory and launches: what a frame needs of a device |
 //! | `graph.rs` | a frame's launches as one CUDA graph |
+//! | `hardware.rs` | what mesh shaders draw of a frame |
 //! | `leaves.rs` | what the stages that draw a patch know of it |
 //! | `meshlets.rs` | the list of meshlets |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
@@ -59,6 +60,7 @@ mod gpu;
 // Graphs are the driver's.
 #[allow(unsafe_code)]
 mod graph;
+pub(crate) mod hardware;
 pub(crate) mod leaves;
 pub(crate) mod meshlets;
 mod module;

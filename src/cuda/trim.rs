@@ -2,6 +2,7 @@
 
 use super::frame::{Stages, Trimmed};
 use super::{Argument, Gpu, GpuError, Pointer, abi};
+use crate::stages::TrimCounts;
 
 impl<G: Gpu> Stages<'_, '_, G> {
     /// Draws the meshlets that trim curves cross: what no curve comes near to, then the fragments that have to be tested, then
@@ -19,7 +20,9 @@ impl<G: Gpu> Stages<'_, '_, G> {
         let list: Pointer<abi::Fragment> = queue.pointer();
         let rest: [&dyn Argument; 6] = [&trims, &near, &spare, &list, &queue.count, &counted];
         self.session.for_each_in(&self.geometry, "trim_fragments", queue.room(), &rest)?;
+        self.trim_listed(counted)?;
         self.session.for_meshlets(&self.geometry, "trim_strokes", &[&trims, &near, &spare])?;
-        Ok(Trimmed { counted: Some(counted), ..Trimmed::default() })
+        let known = TrimCounts { tested: self.hardware.listed.len() as u64, ..TrimCounts::default() };
+        Ok(Trimmed { known, counted: Some(counted) })
     }
 }

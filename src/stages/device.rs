@@ -2,15 +2,16 @@
 
 use super::device_geometry::{DeviceGeometry, GeometryCounts};
 use super::error::RenderError;
-use super::fill::Filled;
+use super::fill::{Filled, is_tested_alone};
 use super::frame::{Frame, Geometry, Renderer, Surface, Targets};
 use super::lens::Lens;
 use super::shade::{Shader, repaint};
 use super::stats::{Clock, Stats};
-use super::{FrameShape, Options, Precision, Show, Trim, TrimCounts};
+use super::{FrameShape, Options, Precision, Raster, Show, Trim, TrimCounts};
 use crate::cuda::count::Plan;
 use crate::cuda::evaluate::{memory, view};
 use crate::cuda::frame::Input;
+use crate::cuda::hardware::Hardware;
 use crate::cuda::scene::SceneOnDevice;
 use crate::cuda::session::Session;
 use crate::cuda::{self, Buffer, Gpu, GpuError, frame};
@@ -74,9 +75,6 @@ impl Renderer<'_> {
         camera: &Camera,
         options: &Options,
     ) -> Result<Frame, RenderError> {
-        if options.raster.is_hardware() {
-            return Err(RenderError::NotByHardware);
-        }
         if options.show != Show::Shaded && options.precision != Precision::F32 {
             return Err(RenderError::NotExplained);
         }
@@ -84,7 +82,10 @@ impl Renderer<'_> {
             Some(scene) => scene,
             None => *self.resident.insert(SceneOnDevice::upload(gpu, self.scene)?),
         };
-        let (mut frame, kept) = self.planned_frame(gpu, &scene, camera, options)?;
+        let (mut frame, kept) = match options.raster.is_hardware() {
+            true => (self.frame_with_hardware(gpu, &scene, camera, options)?, None),
+            false => self.planned_frame(gpu, &scene, camera, options)?,
+        };
         self.kept = kept;
         if options.show != Show::Shaded {
             self.explain(&mut frame)?;
@@ -111,14 +112,14 @@ impl Renderer<'_> {
         }
         if let Some(plan) = &earlier {
             let mut session = Session::with_plan(gpu, Some(plan.clone()), buffers);
-            if let Ok(Some(frame)) = self.frame_in(&mut session, scene, camera, options) {
+            if let Ok(Some(frame)) = self.frame_in(&mut session, scene, camera, options, None) {
                 return Ok((frame, Some(Kept { key, plan: plan.clone(), buffers: session.keep()? })));
             }
             // Something did not fit; what, and whether it can be had, is asked for.
             session.free()?;
         }
         let mut session = Session::new(gpu);
-        let frame = self.frame_in(&mut session, scene, camera, options);
+        let frame = self.frame_in(&mut session, scene, camera, options, None);
         let plan = session.plan();
         session.free()?;
         let frame = frame?.ok_or(RenderError::Gpu(GpuError::Unsettled))?;
@@ -128,6 +129,37 @@ impl Renderer<'_> {
         Ok((frame, kept))
     }
 
+    /// Large quads by Vulkan's mesh shaders: always in the staged shape, since they draw vertices in memory, and asking for all
+    /// numbers, since the host tells Vulkan how many workgroups there are.
+    fn frame_with_hardware<G: Gpu>(
+        &mut self,
+        gpu: &mut G,
+        scene: &SceneOnDevice,
+        camera: &Camera,
+        options: &Options,
+    ) -> Result<Frame, RenderError> {
+        let options = &Options { frame: FrameShape::Staged, ..*options };
+        let trims = scene.trimmed && options.trim == Trim::On;
+        let trims = trims.then(|| self.trim_lists());
+        let mut rasterizer = self.take_hardware()?;
+        let large = if options.raster == Raster::Hybrid { options.large.unwrap_or(rasterizer.large()) } else { 0.0 };
+        let mut hardware = Hardware {
+            rasterizer: &mut rasterizer,
+            large: large as f32,
+            fill: options.fill,
+            trims,
+            alone: is_tested_alone(options),
+        };
+        let mut session = Session::new(gpu);
+        let frame = self.frame_in(&mut session, scene, camera, options, Some(&mut hardware));
+        let freed = session.free();
+        let failed = |e: &RenderError| matches!(e, RenderError::Gpu(GpuError::Vulkan(e)) if e.is_final());
+        // After a failure the next frame opens the device anew.
+        self.hardware = (!frame.as_ref().is_err_and(failed)).then_some(rasterizer);
+        freed?;
+        frame?.ok_or(RenderError::Gpu(GpuError::Unsettled))
+    }
+
     /// None: there was no room for something.
     fn frame_in<G: Gpu>(
         &self,
@@ -135,6 +167,7 @@ impl Renderer<'_> {
         scene: &SceneOnDevice,
         camera: &Camera,
         options: &Options,
+        hardware: Option<&mut Hardware>,
     ) -> Result<Option<Frame>, RenderError> {
         let mut clock = Clock::new();
         session.begin()?;
@@ -144,12 +177,15 @@ impl Renderer<'_> {
         memory(session, &mut all, options, meshlets.vertices)?;
         let input = Input {
             geometry: all,
+            leaves: leaves.count,
             staged: options.frame == FrameShape::Staged,
             trims: scene.trims(),
             trimmed: scene.trimmed,
             textured: options.trim == Trim::Texture,
         };
-        let Some(drawn) = frame::draw(session, &input, &mut |stage| clock.stage(stage))? else { return Ok(None) };
+        let Some(drawn) = frame::draw(session, &input, hardware, &mut |stage| clock.stage(stage))? else {
+            return Ok(None);
+        };
         let filled = drawn.filled.iter().map(|&pixel| Filled { pixel, near: 0, start: None }).collect::<Vec<_>>();
         let GeometryCounts { patches_visible, quads, meshlets_outside, meshlets_inside, meshlets_boundary } =
             geometry.counts(session)?;
@@ -162,7 +198,8 @@ impl Renderer<'_> {
             meshlets: session.length(geometry.meshlets.meshlets.count)?,
             quads,
             triangles: 2 * quads,
-            triangles_hardware: 0,
+            triangles_hardware: drawn.triangles_hardware,
+            bytes_copied: drawn.bytes_copied,
             filled: filled.len() as u64,
             drawn: drawn.near.iter().filter(|&&word| word != 0).count() as u64,
             trim: drawn.trim.plus(counts),

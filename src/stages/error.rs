@@ -28,8 +28,6 @@ pub enum RenderError {
     NoTensorCores,
     #[error("pictures that explain a frame are painted of grids in f32: use --precision f32, or --show shaded")]
     NotExplained,
-    #[error("--raster hybrid and hardware draw the frames of --backend cpu alone in this version")]
-    NotByHardware,
     #[error(transparent)]
     Gpu(#[from] GpuError),
     #[error("--raster: {0}")]

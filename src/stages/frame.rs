@@ -202,6 +202,7 @@ impl<'a> Renderer<'a> {
             quads: meshlets.quads,
             triangles: 2 * meshlets.quads,
             triangles_hardware: hardware.triangles,
+            bytes_copied: hardware.copied,
             filled: filled.len() as u64,
             drawn: targets.near.par_iter().filter(|&&word| word != 0).count() as u64,
             trim,

@@ -9,10 +9,12 @@ use super::frame::{Renderer, Targets};
 use super::lens::Lens;
 use super::rasterize::BAND;
 use super::{Options, Raster, Trim};
+use crate::cuda::hardware::ByHardware;
 use crate::cuda::{TrimLists, abi};
 use crate::vulkan::{Device, Input, Rasterizer, Validation, VulkanError};
 use glam::Vec2;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// The leaves that hardware draws: whole ones, so that all of a leaf's triangles go one way.
 #[derive(Debug)]
@@ -38,15 +40,6 @@ pub(super) struct Geometries<'a> {
     pub leaves: &'a Leaves,
     pub grids: &'a [Tessellation],
     pub meshlets: &'a Meshlets,
-}
-
-/// What hardware did in a frame, besides words.
-#[derive(Debug, Default)]
-pub(super) struct ByHardware {
-    /// How many it was given.
-    pub triangles: u64,
-    /// Near trim curves: left to `trim`.
-    pub listed: Vec<abi::Fragment>,
 }
 
 impl Routes {
@@ -104,6 +97,18 @@ impl Renderer<'_> {
         })
     }
 
+    /// The same, to be given back after the frame.
+    pub(super) fn take_hardware(&mut self) -> Result<Rasterizer, RenderError> {
+        self.hardware()?;
+        self.hardware.take().ok_or(RenderError::Vulkan(VulkanError::NoDevice))
+    }
+
+    /// The scene's trees, for shaders.
+    pub(super) fn trim_lists(&mut self) -> Arc<TrimLists> {
+        let scene = self.scene;
+        self.trim_lists.get_or_insert_with(|| TrimLists::new(&scene.trims).into()).clone()
+    }
+
     pub(super) fn routes(&mut self, drawn: &Geometries) -> Result<Routes, RenderError> {
         let Geometries { lens, options, leaves, grids, .. } = *drawn;
         let from = match options.raster {
@@ -139,8 +144,7 @@ impl Renderer<'_> {
             return Ok(ByHardware::default());
         }
         let tested = numbers.iter().any(|&k| meshlets.meshlets[k as usize].tested);
-        let scene = self.scene;
-        let trims = tested.then(|| self.trim_lists.get_or_insert_with(|| TrimLists::new(&scene.trims).into()).clone());
+        let trims = tested.then(|| self.trim_lists());
         let staged = self.staged_of(lens, options, leaves, grids, meshlets);
         let vertex = |v: &Vertex| abi::Vertex { x: v.x, y: v.y, depth: v.depth, weight: v.weight };
         let vertices: Vec<abi::Vertex> = meshlets.vertices.par_iter().map(vertex).collect();
@@ -155,16 +159,19 @@ impl Renderer<'_> {
             trims: trims.as_ref(),
             alone: is_tested_alone(options),
         };
+        let lists = [size_of_val(input.patches), size_of_val(input.leaves), size_of_val(input.meshlets)];
+        let lists = lists.iter().sum::<usize>() + size_of_val(input.vertices);
         let drawn = self.hardware()?.draw(&input).map(|drawn| {
             merge(lens.size[0] as usize * BAND, drawn.near, drawn.spare, targets);
-            drawn.listed.to_vec()
+            (drawn.listed.to_vec(), lists + size_of_val(drawn.near) + size_of_val(drawn.spare))
         });
-        if matches!(drawn, Err(VulkanError::Lost { .. } | VulkanError::Call { .. })) {
+        if drawn.as_ref().is_err_and(VulkanError::is_final) {
             // The next frame opens the device anew.
             self.hardware = None;
         }
         let triangles = |&k: &u32| 2 * meshlets.meshlets[k as usize].quads.map(u64::from).iter().product::<u64>();
-        Ok(ByHardware { triangles: numbers.iter().map(triangles).sum(), listed: drawn? })
+        let (listed, copied) = drawn?;
+        Ok(ByHardware { triangles: numbers.iter().map(triangles).sum(), copied: copied as u64, listed })
     }
 }
 

@@ -27,6 +27,8 @@ pub struct Stats {
     pub triangles: u64,
     /// Those of them that Vulkan's mesh shaders were given.
     pub triangles_hardware: u64,
+    /// Bytes of meshlets, vertices and visibility words that were copied between what draws the frame and Vulkan's device.
+    pub bytes_copied: u64,
     /// Pixels that the spare buffer decided.
     pub filled: u64,
     pub drawn: u64,

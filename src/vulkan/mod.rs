@@ -81,6 +81,11 @@ pub enum VulkanError {
 }
 
 impl VulkanError {
+    /// The device can't be used any more.
+    pub(crate) fn is_final(&self) -> bool {
+        matches!(self, Self::Lost { .. } | Self::Call { .. })
+    }
+
     /// Of a failed call.
     fn of(what: &'static str) -> impl Fn(vk::Result) -> Self {
         move |code| match code {

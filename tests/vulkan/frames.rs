@@ -3,7 +3,7 @@
 use crate::{assert_silent, rasterizer};
 use halfpixel::import;
 use halfpixel::scene::{Scene, ViewSpec, prepare};
-use halfpixel::stages::{Bound, Fill, Frame, Options, Raster, Renderer, Trim};
+use halfpixel::stages::{Bound, Engine, Fill, Frame, Options, Raster, Renderer, Trim};
 use std::path::PathBuf;
 
 fn scene(name: &str) -> Scene {
@@ -39,6 +39,48 @@ fn agree(names: &[&str], views: &[ViewSpec], all: &[Options]) {
         kept = renderer.take_rasterizer();
     }
     assert_silent(&kept.expect("it is handed on"));
+}
+
+/// Frames of the kernels, with what mesh shaders draw of them.
+#[test]
+fn kernels_and_mesh_shaders_share_frames() {
+    let Some(mut rasterizer) = rasterizer() else { return };
+    if let Some(why) = halfpixel::emulated::missing() {
+        return eprintln!("skipped: {why}");
+    }
+    let trims = [Trim::On, Trim::Texture].map(|trim| Options { trim, ..Options::default() });
+    let others = [
+        Options { fill: Fill::Eter, ..Options::default() },
+        Options { fill: Fill::Conservative, refine: 0, tolerance: 0.3, ..Options::default() },
+    ];
+    let all = [trims, others].concat();
+    for (name, zoom) in [("builtin:teapot", 1.0), ("builtin:drum", 1e5), ("builtin:trimmed:drilled", 1.0)] {
+        let scene = scene(name);
+        let view = ViewSpec { size: [120, 90], zoom, ..ViewSpec::default() };
+        let camera = view.camera(&scene.bounds).expect("a camera");
+        let mut reference = Renderer::new(&scene);
+        let mut renderer = Renderer::with(&scene, Engine::Emulated(Box::default()));
+        renderer.set_rasterizer(rasterizer);
+        for options in &all {
+            let software = reference.render(&camera, options).expect("a frame");
+            for (raster, large) in [(Raster::Hardware, None), (Raster::Hybrid, Some(6.0))] {
+                let options = Options { raster, large, ..*options };
+                let frame = renderer.render(&camera, &options).expect("a frame");
+                assert_eq!(differences(&software, &frame), 0, "{name}, {options:?}");
+                // The routes are the CPU's.
+                let triangles = {
+                    let rasterizer = renderer.take_rasterizer().expect("it draws");
+                    reference.set_rasterizer(rasterizer);
+                    let stats = reference.render(&camera, &options).expect("a frame").stats;
+                    renderer.set_rasterizer(reference.take_rasterizer().expect("it draws"));
+                    stats.triangles_hardware
+                };
+                assert_eq!(frame.stats.triangles_hardware, triangles, "{name}, {options:?}");
+            }
+        }
+        rasterizer = renderer.take_rasterizer().expect("it draws");
+    }
+    assert_silent(&rasterizer);
 }
 
 fn zoomed(zooms: &[f64]) -> Vec<ViewSpec> {

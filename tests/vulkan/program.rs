@@ -29,9 +29,9 @@ fn a_missing_driver_is_one_clear_line() {
 }
 
 #[test]
-fn other_backends_refuse_it() {
-    let arguments = ["render", "builtin:sphere", "--backend", "emulated", "--raster", "hardware", "-o", "a.png"];
-    let (code, said) = halfpixel(&arguments, "");
+fn vertices_that_no_memory_holds_are_refused() {
+    let drawn = ["render", "builtin:sphere", "--backend", "emulated", "--raster", "hardware", "-o", "a.png"];
+    let (code, said) = halfpixel(&[&drawn[..], &["--frame", "fused"]].concat(), "");
     // Where the kernels can't be emulated, that is said instead.
-    assert!(code == Some(2) && said.contains("--backend cpu") || code == Some(1), "{said}");
+    assert!(code == Some(2) && said.contains("--frame staged") || code == Some(1), "{said}");
 }
