@@ -1,7 +1,8 @@
 //! What a device must have, and what is missing where it can't be used.
 
+use super::sharing::Sharing;
 use super::{Instance, Validation, VulkanError};
-use ash::{ext, khr, vk};
+use ash::{ext, vk};
 use serde::Serialize;
 use std::ffi::CStr;
 use std::fmt;
@@ -41,8 +42,9 @@ pub struct Device {
     pub(super) tessellation: Result<u32, Vec<&'static str>>,
     /// Where the queue has any.
     pub(super) timestamps: Option<Timestamps>,
+    pub(super) sharing: Sharing,
     pub found: Found,
-    instance: Arc<Instance>,
+    pub(super) instance: Arc<Instance>,
 }
 
 /// What a queue's clock says.
@@ -62,7 +64,7 @@ const LARGEST_VIEWPORT: u32 = 1 << 14;
 /// All Vulkan devices of this machine.
 pub fn devices() -> Result<Vec<Found>, VulkanError> {
     let instance = Instance::new(Validation::Off)?;
-    Ok(physical(&instance)?.into_iter().map(|device| look(&instance, device)).collect())
+    Ok(physical(&instance)?.into_iter().map(|device| look(&instance, device, Sharing::of(&instance, device))).collect())
 }
 
 fn physical(instance: &Instance) -> Result<Vec<vk::PhysicalDevice>, VulkanError> {
@@ -148,7 +150,7 @@ impl Features {
     }
 }
 
-fn look(instance: &Instance, device: vk::PhysicalDevice) -> Found {
+fn look(instance: &Instance, device: vk::PhysicalDevice, sharing: Sharing) -> Found {
     let mut id = vk::PhysicalDeviceIDProperties::default();
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
     let mut floats = vk::PhysicalDeviceFloatControlsProperties::default();
@@ -192,13 +194,11 @@ fn look(instance: &Instance, device: vk::PhysicalDevice) -> Found {
             missing.push("a graphics queue".into());
         }
     }
-    let optional = [
-        (khr::external_memory_fd::NAME, "memory is copied to and from CUDA"),
-        (khr::external_semaphore_fd::NAME, "the host waits between CUDA and Vulkan"),
-        (ext::conservative_rasterization::NAME, "shaders widen triangles themselves"),
-    ];
-    let absent = optional.into_iter().filter(|(name, _)| !has(name));
-    let mut absent: Vec<String> = absent.map(|(name, so)| format!("no {}: {so}", name.to_string_lossy())).collect();
+    let mut absent: Vec<String> = sharing.absent().map(String::from).collect();
+    let conservative = ext::conservative_rasterization::NAME;
+    if !has(conservative) {
+        absent.push(format!("no {}: shaders widen triangles themselves", conservative.to_string_lossy()));
+    }
     let lacking = tessellation_lacks(instance, device).into_iter();
     absent.extend(lacking.map(|name| format!("no {name}: no --raster tessellation baseline")));
     Found {
@@ -229,27 +229,49 @@ fn family(instance: &Instance, device: vk::PhysicalDevice) -> Option<u32> {
 impl Device {
     /// The first device that can draw meshlets; hardware before what runs on the CPU. `uuid`: that one alone.
     pub fn new(validation: Validation, uuid: Option<&str>) -> Result<Arc<Self>, VulkanError> {
+        Self::choose(validation, uuid, Sharing::of)
+    }
+
+    /// The same, but nothing of it can be shared with other APIs.
+    pub fn unshared(validation: Validation, uuid: Option<&str>) -> Result<Arc<Self>, VulkanError> {
+        Self::choose(validation, uuid, |_, _| Sharing::default())
+    }
+
+    fn choose(
+        validation: Validation,
+        uuid: Option<&str>,
+        sharing: impl Fn(&Instance, vk::PhysicalDevice) -> Sharing,
+    ) -> Result<Arc<Self>, VulkanError> {
         let instance = Instance::new(validation)?;
-        let mut all: Vec<(Found, vk::PhysicalDevice)> =
-            physical(&instance)?.into_iter().map(|device| (look(&instance, device), device)).collect();
-        all.retain(|(found, _)| uuid.is_none_or(|uuid| found.uuid == uuid));
+        let seen = |device| {
+            let sharing = sharing(&instance, device);
+            (look(&instance, device, sharing), device, sharing)
+        };
+        let mut all: Vec<_> = physical(&instance)?.into_iter().map(seen).collect();
+        all.retain(|(found, ..)| uuid.is_none_or(|uuid| found.uuid == uuid));
         let rank = |kind: &str| ["discrete", "integrated", "virtual", "other"].iter().position(|k| *k == kind);
-        all.sort_by_key(|(found, _)| (!found.missing.is_empty(), rank(found.kind).unwrap_or(usize::MAX)));
-        let Some((found, physical)) = all.into_iter().next() else { return Err(VulkanError::NoDevice) };
+        all.sort_by_key(|(found, ..)| (!found.missing.is_empty(), rank(found.kind).unwrap_or(usize::MAX)));
+        let Some((found, physical, sharing)) = all.into_iter().next() else { return Err(VulkanError::NoDevice) };
         if !found.missing.is_empty() {
             return Err(VulkanError::Unfit { device: found.name, missing: found.missing });
         }
-        Self::open(instance, physical, found)
+        Self::open(instance, physical, found, sharing)
     }
 
-    fn open(instance: Arc<Instance>, physical: vk::PhysicalDevice, found: Found) -> Result<Arc<Self>, VulkanError> {
+    fn open(
+        instance: Arc<Instance>,
+        physical: vk::PhysicalDevice,
+        found: Found,
+        sharing: Sharing,
+    ) -> Result<Arc<Self>, VulkanError> {
         let family = family(&instance, physical).ok_or(VulkanError::NoDevice)?;
         let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&[1.0])];
-        let names = EXTENSIONS.map(CStr::as_ptr);
+        let names: Vec<_> = EXTENSIONS.into_iter().chain(sharing.extensions()).map(CStr::as_ptr).collect();
         let lacking = tessellation_lacks(&instance, physical);
         let tessellates = lacking.is_empty();
         let Features { mut core, mut v11, mut v12, mut v13, mut mesh } = Features::wanted();
         core = core.tessellation_shader(tessellates).vertex_pipeline_stores_and_atomics(tessellates);
+        v12 = v12.timeline_semaphore(sharing.timeline);
         let info = vk::DeviceCreateInfo::default()
             .queue_create_infos(&queues)
             .enabled_extension_names(&names)
@@ -290,6 +312,7 @@ impl Device {
             largest,
             tessellation: if tessellates { Ok(limits.max_tessellation_generation_level) } else { Err(lacking) },
             timestamps,
+            sharing,
             found,
             instance,
         }))

@@ -1,8 +1,10 @@
 //! Buffers with addresses: what shaders read and write is named by push constants alone.
 
+use super::handle::{Handle, MEMORY};
 use super::{Device, VulkanError};
 use crate::cuda::Pod;
 use ash::vk;
+use ash::vk::MemoryPropertyFlags as Flags;
 use std::sync::Arc;
 
 /// Who uses a buffer.
@@ -14,6 +16,21 @@ pub(super) enum Use {
     Shaders,
     /// Copied to by the device, read by the host.
     Download,
+    /// Shaders and other APIs; `Sharing` has seen that it can be.
+    Shared,
+}
+
+impl Use {
+    pub fn usage(self) -> vk::BufferUsageFlags {
+        let shaders = vk::BufferUsageFlags::STORAGE_BUFFER | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS;
+        match self {
+            Self::Upload => shaders | vk::BufferUsageFlags::TRANSFER_SRC,
+            Self::Shaders | Self::Shared => {
+                shaders | vk::BufferUsageFlags::TRANSFER_SRC | vk::BufferUsageFlags::TRANSFER_DST
+            }
+            Self::Download => vk::BufferUsageFlags::TRANSFER_DST,
+        }
+    }
 }
 
 /// A buffer with memory of its own.
@@ -21,6 +38,8 @@ pub(super) struct Buffer {
     device: Arc<Device>,
     pub raw: vk::Buffer,
     memory: vk::DeviceMemory,
+    /// Bytes of that.
+    allocation: u64,
     /// For shaders.
     pub address: u64,
     /// Of the buffer, where the host sees it.
@@ -35,69 +54,89 @@ unsafe impl Sync for Buffer {}
 
 impl Buffer {
     pub fn new(device: &Arc<Device>, bytes: u64, used: Use) -> Result<Self, VulkanError> {
-        let usage = match used {
-            Use::Upload => {
-                vk::BufferUsageFlags::STORAGE_BUFFER
-                    | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
-                    | vk::BufferUsageFlags::TRANSFER_SRC
-            }
-            Use::Shaders => {
-                vk::BufferUsageFlags::STORAGE_BUFFER
-                    | vk::BufferUsageFlags::SHADER_DEVICE_ADDRESS
-                    | vk::BufferUsageFlags::TRANSFER_SRC
-                    | vk::BufferUsageFlags::TRANSFER_DST
-            }
-            Use::Download => vk::BufferUsageFlags::TRANSFER_DST,
-        };
+        let mut made = Self::unbound(device, bytes, used)?;
+        made.allocate(used, None)?;
+        Ok(made)
+    }
+
+    /// A buffer in memory that was exported; `allocation`: the bytes of all of that.
+    pub fn import(device: &Arc<Device>, handle: Handle, bytes: u64, allocation: u64) -> Result<Self, VulkanError> {
+        let mut made = Self::unbound(device, bytes, Use::Shared)?;
+        made.allocate(Use::Shared, Some((handle, allocation)))?;
+        Ok(made)
+    }
+
+    fn unbound(device: &Arc<Device>, bytes: u64, used: Use) -> Result<Self, VulkanError> {
         if bytes > device.largest_buffer {
             return Err(VulkanError::OutOfMemory { what: "a buffer larger than the device allows", bytes });
         }
-        let info = vk::BufferCreateInfo::default().size(bytes.max(16)).usage(usage);
+        let mut external = vk::ExternalMemoryBufferCreateInfo::default().handle_types(MEMORY);
+        let mut info = vk::BufferCreateInfo::default().size(bytes.max(16)).usage(used.usage());
+        if used == Use::Shared {
+            info = info.push_next(&mut external);
+        }
         // SAFETY: `info` is valid and the device is alive.
         let raw = unsafe { device.raw.create_buffer(&info, None) }.map_err(VulkanError::of("vkCreateBuffer"))?;
-        let mut buffer = Self {
-            device: device.clone(),
-            raw,
-            memory: vk::DeviceMemory::null(),
-            address: 0,
-            mapped: None,
-            bytes: bytes.max(16),
-        };
-        buffer.allocate(used)?;
-        Ok(buffer)
+        let memory = vk::DeviceMemory::null();
+        let bytes = bytes.max(16);
+        Ok(Self { device: device.clone(), raw, memory, allocation: 0, address: 0, mapped: None, bytes })
     }
 
-    fn allocate(&mut self, used: Use) -> Result<(), VulkanError> {
+    /// `import`: what was exported, and its bytes.
+    fn allocate(&mut self, used: Use, import: Option<(Handle, u64)>) -> Result<(), VulkanError> {
         let raw = &self.device.raw;
         // SAFETY: the buffer is the device's.
         let needs = unsafe { raw.get_buffer_memory_requirements(self.raw) };
         let mut flags = vk::MemoryAllocateFlagsInfo::default().flags(vk::MemoryAllocateFlags::DEVICE_ADDRESS);
-        let mut info = vk::MemoryAllocateInfo::default().allocation_size(needs.size);
+        let mut dedicated = vk::MemoryDedicatedAllocateInfo::default().buffer(self.raw);
+        let mut export = vk::ExportMemoryAllocateInfo::default().handle_types(MEMORY);
+        let mut imported = import.as_ref().map(|(handle, _)| handle.memory_import());
+        let bytes = import.as_ref().map_or(needs.size, |(_, bytes)| *bytes);
+        if bytes < needs.size {
+            return Err(VulkanError::WrongHandle { what: "memory that is smaller than its buffer" });
+        }
+        let mut info = vk::MemoryAllocateInfo::default().allocation_size(bytes);
         if used != Use::Download {
             info = info.push_next(&mut flags);
         }
-        let [best, enough] = memory_types(&self.device.memory, needs.memory_type_bits, used);
-        let bytes = needs.size;
+        if used == Use::Shared {
+            info = info.push_next(&mut dedicated);
+            info = match &mut imported {
+                Some(imported) => info.push_next(imported),
+                None => info.push_next(&mut export),
+            };
+        }
+        let [best, enough] = memory_types(&self.device, needs.memory_type_bits, used);
         let failed = |code| match code {
             vk::Result::ERROR_OUT_OF_DEVICE_MEMORY | vk::Result::ERROR_OUT_OF_HOST_MEMORY => {
                 VulkanError::OutOfMemory { what: "vkAllocateMemory", bytes }
             }
+            vk::Result::ERROR_INVALID_EXTERNAL_HANDLE => VulkanError::WrongHandle { what: "memory" },
             code => VulkanError::of("vkAllocateMemory")(code),
         };
+        let kinds = self.device.memory.memory_types_as_slice();
         // SAFETY: `info` names a memory type of this device. The memory is bound to the buffer it was made for, mapped as a
         // whole, once, where the host sees it, and freed after the buffer.
         unsafe {
             // Where the best memory is full, other memory will do.
             self.memory = raw
                 .allocate_memory(&info.memory_type_index(best), None)
-                .or_else(|_| raw.allocate_memory(&info.memory_type_index(enough), None))
+                .or_else(|code| match enough == best {
+                    true => Err(code),
+                    false => raw.allocate_memory(&info.memory_type_index(enough), None),
+                })
                 .map_err(failed)?;
+            if let Some((handle, _)) = import {
+                handle.taken();
+            }
             raw.bind_buffer_memory(self.raw, self.memory, 0).map_err(VulkanError::of("vkBindBufferMemory"))?;
             if used != Use::Download {
                 let info = vk::BufferDeviceAddressInfo::default().buffer(self.raw);
                 self.address = raw.get_buffer_device_address(&info);
             }
-            if used != Use::Shaders {
+            self.allocation = bytes;
+            let seen = kinds.get(best as usize).is_some_and(|kind| kind.property_flags.contains(HOST));
+            if matches!(used, Use::Upload | Use::Download) || used == Use::Shared && seen {
                 let all = vk::MemoryMapFlags::empty();
                 let mapped = raw.map_memory(self.memory, 0, vk::WHOLE_SIZE, all);
                 self.mapped = Some(mapped.map_err(VulkanError::of("vkMapMemory"))?.cast());
@@ -109,6 +148,25 @@ impl Buffer {
     /// Bytes it has room for.
     pub fn bytes(&self) -> u64 {
         self.bytes
+    }
+
+    pub fn device(&self) -> &Arc<Device> {
+        &self.device
+    }
+
+    /// Bytes of its memory.
+    pub fn allocation(&self) -> u64 {
+        self.allocation
+    }
+
+    /// All of it, where the host sees it.
+    pub fn mapped(&self) -> Option<*mut u8> {
+        self.mapped
+    }
+
+    /// What other APIs import the memory by; of [`Use::Shared`].
+    pub fn export(&self) -> Result<Handle, VulkanError> {
+        Handle::of_memory(&self.device, self.memory).map_err(VulkanError::of("exporting memory of Vulkan"))
     }
 
     /// Writes values from the beginning on.
@@ -146,14 +204,19 @@ impl Drop for Buffer {
     }
 }
 
+/// Memory that the host sees, coherently.
+const HOST: Flags = Flags::from_raw(Flags::HOST_VISIBLE.as_raw() | Flags::HOST_COHERENT.as_raw());
+
 /// The best type of memory among those allowed, and one that will do. Vulkan promises one that the host sees, coherently.
-fn memory_types(memory: &vk::PhysicalDeviceMemoryProperties, allowed: u32, used: Use) -> [u32; 2] {
-    use vk::MemoryPropertyFlags as Flags;
-    let host = Flags::HOST_VISIBLE | Flags::HOST_COHERENT;
+fn memory_types(device: &Device, allowed: u32, used: Use) -> [u32; 2] {
+    let memory = &device.memory;
     let (best, enough) = match used {
-        Use::Upload => (host | Flags::DEVICE_LOCAL, host),
+        Use::Upload => (HOST | Flags::DEVICE_LOCAL, HOST),
         Use::Shaders => (Flags::DEVICE_LOCAL, Flags::empty()),
-        Use::Download => (host | Flags::HOST_CACHED, host),
+        Use::Download => (HOST | Flags::HOST_CACHED, HOST),
+        // No second choice: who imports it must choose the same. The CPU is its own host.
+        Use::Shared if device.found.kind == "cpu" => (HOST, HOST),
+        Use::Shared => (Flags::DEVICE_LOCAL, Flags::DEVICE_LOCAL),
     };
     let first = |wish: Flags, least: u64| {
         memory.memory_types_as_slice().iter().enumerate().position(|(k, t)| {

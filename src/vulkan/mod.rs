@@ -10,6 +10,9 @@
 //! | `instance.rs` | the loader, and what validation layers say |
 //! | `device.rs` | what a device must have, and what is missing where it can't be used |
 //! | `memory.rs` | buffers with addresses |
+//! | `handle.rs` | what memory and semaphores are passed to other APIs by |
+//! | `sharing.rs` | what a device can share with other APIs |
+//! | `shared.rs` | buffers and semaphores that other APIs use too |
 //! | `pipeline.rs` | mesh pipelines of `vk_shaders/` |
 //! | `jobs.rs` | which workgroups a frame takes |
 //! | `trims.rs` | trim trees, and fragments that only the exact surface can decide |
@@ -27,12 +30,15 @@
 
 mod device;
 mod evaluated;
+mod handle;
 mod instance;
 mod jobs;
 mod memory;
 mod pipeline;
 mod rasterize;
 mod recorder;
+mod shared;
+mod sharing;
 mod tessellation;
 mod tessellation_borders;
 mod tessellation_pieces;
@@ -42,8 +48,11 @@ mod trims;
 
 pub use device::{Device, Found, devices};
 pub use evaluated::Evaluated;
+pub use handle::Handle;
 pub use instance::{Instance, Validation};
 pub use rasterize::{Drawn, Input, Rasterizer};
+pub use shared::{Order, SharedBuffer, SharedSemaphore, Transfers};
+pub use sharing::Semaphores;
 pub use tessellation::{Parameters, Sample, Tessellated, Tessellation, Tessellator, with_factor};
 pub use tessellation_borders::Borders;
 pub use tessellation_pieces::{EdgeFactors, Piece};
@@ -76,6 +85,10 @@ pub enum VulkanError {
     Lost { what: &'static str },
     #[error("{what}: {code}")]
     Call { what: &'static str, code: vk::Result },
+    #[error("{device} can't share {what} with other APIs")]
+    Unshared { what: &'static str, device: String },
+    #[error("a handle that was to be {what} names something else")]
+    WrongHandle { what: &'static str },
     #[error("images of {width} x {height} pixels are more than the {limit} a side that {device} can draw")]
     ImageTooLarge { width: u32, height: u32, limit: u32, device: String },
 }

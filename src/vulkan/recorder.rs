@@ -1,7 +1,7 @@
 //! One list of commands: recorded, run to its end, and timed by the device's own clock.
 
 use super::rasterize::TIMEOUT;
-use super::{Device, VulkanError};
+use super::{Device, Order, Semaphores, SharedBuffer, SharedSemaphore, VulkanError};
 use crate::report::Spread;
 use ash::vk;
 use std::sync::{Arc, PoisonError};
@@ -66,9 +66,24 @@ impl Recorder {
 
     /// Runs what `record` records, to its end. `what`: for errors.
     pub fn run(&mut self, what: &'static str, record: impl FnOnce(&Self)) -> Result<(), VulkanError> {
+        self.run_in_order(what, &Order::default(), record)
+    }
+
+    /// The same after what others do, and before what they wait to do.
+    pub fn run_in_order(
+        &mut self,
+        what: &'static str,
+        order: &Order,
+        record: impl FnOnce(&Self),
+    ) -> Result<(), VulkanError> {
         self.check()?;
-        let result = self.run_once(what, record);
+        let result = self.run_once(what, order, record);
         self.failed = result.clone().err();
+        let late = matches!(result, Err(VulkanError::Call { code: vk::Result::TIMEOUT, .. }));
+        if let Some((semaphore, value)) = order.wait.filter(|(s, _)| late && s.kind() == Semaphores::Timeline) {
+            // Who should have signalled it has not: without that the device would never be idle again.
+            let _ = semaphore.signal(value);
+        }
         result
     }
 
@@ -77,18 +92,24 @@ impl Recorder {
         self.failed.clone().map_or(Ok(()), Err)
     }
 
-    fn run_once(&self, what: &'static str, record: impl FnOnce(&Self)) -> Result<(), VulkanError> {
-        let (raw, all) = (&self.device.raw, [self.commands]);
+    fn run_once(&self, what: &'static str, order: &Order, record: impl FnOnce(&Self)) -> Result<(), VulkanError> {
+        let raw = &self.device.raw;
         let once = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: what ran before is done, or `failed` would have kept us out.
         unsafe { raw.begin_command_buffer(self.commands, &once) }.map_err(VulkanError::of("vkBeginCommandBuffer"))?;
         record(self);
-        let submits = [vk::SubmitInfo::default().command_buffers(&all)];
-        // SAFETY: the commands were begun above; the fence is not signalled, and the queue is locked.
+        let all = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
+        let (waits, signals) = (point(order.wait), point(order.signal));
+        let submits = [vk::SubmitInfo2::default()
+            .command_buffer_infos(&all)
+            .wait_semaphore_infos(waits.as_slice())
+            .signal_semaphore_infos(signals.as_slice())];
+        // SAFETY: the commands were begun above; the fence is not signalled, the queue is locked, and the semaphores live until
+        // all has run.
         unsafe {
             raw.end_command_buffer(self.commands).map_err(VulkanError::of("vkEndCommandBuffer"))?;
             let queue = self.device.queue.lock().unwrap_or_else(PoisonError::into_inner);
-            raw.queue_submit(*queue, &submits, self.done).map_err(VulkanError::of("vkQueueSubmit"))?;
+            raw.queue_submit2(*queue, &submits, self.done).map_err(VulkanError::of("vkQueueSubmit2"))?;
             drop(queue);
             raw.wait_for_fences(&[self.done], true, TIMEOUT).map_err(VulkanError::of(what))?;
             raw.reset_fences(&[self.done]).map_err(VulkanError::of("vkResetFences"))
@@ -151,12 +172,56 @@ impl Recorder {
         unsafe { self.device.raw.cmd_pipeline_barrier2(self.commands, &info) };
     }
 
+    /// Takes over buffers that other APIs may have written.
+    pub fn acquire(&self, buffers: &[&SharedBuffer], after: vk::PipelineStageFlags2) {
+        self.hand_over(buffers, |barrier, ours| {
+            barrier
+                .src_queue_family_index(vk::QUEUE_FAMILY_EXTERNAL)
+                .dst_queue_family_index(ours)
+                .dst_stage_mask(after)
+                .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)
+        });
+    }
+
+    /// Leaves them to others.
+    pub fn release(&self, buffers: &[&SharedBuffer], before: vk::PipelineStageFlags2) {
+        self.hand_over(buffers, |barrier, ours| {
+            barrier
+                .src_queue_family_index(ours)
+                .dst_queue_family_index(vk::QUEUE_FAMILY_EXTERNAL)
+                .src_stage_mask(before)
+                .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+        });
+    }
+
+    fn hand_over<'b>(
+        &self,
+        buffers: &[&SharedBuffer],
+        how: impl Fn(vk::BufferMemoryBarrier2<'b>, u32) -> vk::BufferMemoryBarrier2<'b>,
+    ) {
+        let barrier = |shared: &&SharedBuffer| {
+            let all = vk::BufferMemoryBarrier2::default().buffer(shared.buffer.raw).size(vk::WHOLE_SIZE);
+            how(all, self.device.family)
+        };
+        let barriers: Vec<_> = buffers.iter().map(barrier).collect();
+        let info = vk::DependencyInfo::default().buffer_memory_barriers(&barriers);
+        // SAFETY: commands are being recorded, outside of rendering; the buffers live until they have run.
+        unsafe { self.device.raw.cmd_pipeline_barrier2(self.commands, &info) };
+    }
+
     pub fn copy(&self, copies: &[Copy]) {
         for Copy { from, to, regions } in copies.iter().filter(|copy| !copy.regions.is_empty()) {
             // SAFETY: commands are being recorded; both buffers live until they have run and have room for the regions.
             unsafe { self.device.raw.cmd_copy_buffer(self.commands, *from, *to, regions) };
         }
     }
+}
+
+/// A point in another's order.
+fn point(of: Option<(&SharedSemaphore, u64)>) -> Option<vk::SemaphoreSubmitInfo<'static>> {
+    let (semaphore, value) = of?;
+    let all = vk::PipelineStageFlags2::ALL_COMMANDS;
+    Some(vk::SemaphoreSubmitInfo::default().semaphore(semaphore.raw).value(value).stage_mask(all))
 }
 
 impl Drop for Recorder {

@@ -4,6 +4,7 @@
 mod frames;
 mod primitives;
 mod program;
+mod sharing;
 mod tessellation;
 
 use halfpixel::vulkan::{Device, Rasterizer, Validation, VulkanError};
