@@ -2,6 +2,7 @@
 
 use super::count::{Count, List, Plan};
 use super::session::Session;
+use super::shared::Role;
 use super::{Gpu, GpuError, Pod, Pointer, Shape};
 
 /// Numbers of 32 bits name places in lists.
@@ -110,6 +111,11 @@ impl<G: Gpu> Session<'_, G> {
     /// Room for a list.
     pub fn list<T: Pod>(&mut self, count: Count) -> Result<List<T>, GpuError> {
         Ok(List { buffer: self.allocate(count.room())?, count })
+    }
+
+    /// Room for one that mesh shaders see too.
+    pub fn list_as<T: Pod>(&mut self, role: Role, count: Count) -> Result<List<T>, GpuError> {
+        Ok(List { buffer: self.allocate_as(role, count.room())?, count })
     }
 
     /// Whether there was room for everything; waits for the frame's end.

@@ -5,6 +5,7 @@ use super::cull::Seen;
 use super::gpu::pods;
 use super::scan::scan;
 use super::session::{Geometry, Session};
+use super::shared::Role;
 use super::{Argument, Buffer, Gpu, GpuError, Pointer, Shape, abi, basis};
 use thiserror::Error;
 
@@ -134,8 +135,8 @@ pub(crate) fn estimate<G: Gpu>(
     let leaf_count = session.count(leaf_total, u64::from(MAX_PARTS))?.map_err(|_| Stopped::Vertices)?;
     let point_count = session.count(point_total, u64::from(u32::MAX))?.map_err(|_| Stopped::Vertices)?;
     let count = whole(session, &parts, leaf_count, point_count)?;
-    let patches = session.allocate::<abi::Patch>(count.room())?;
-    let leaves = session.allocate::<abi::Leaf>(count.room())?;
+    let patches = session.allocate_as::<abi::Patch>(Role::Patches, count.room())?;
+    let leaves = session.allocate_as::<abi::Leaf>(Role::Leaves, count.room())?;
     let nets = session.allocate::<abi::Point>(point_count.room())?;
     let Seen { scene, view, rules } = seen;
     let (firsts, points) = (first_leaves.pointer(), first_points.pointer());

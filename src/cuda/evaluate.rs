@@ -5,6 +5,7 @@ use super::gpu::pods;
 use super::precision::{Arithmetic, Hull, Kernel, LARGEST_TENSOR_DEGREE};
 use super::scan::scan;
 use super::session::{Geometry, Session};
+use super::shared::Role;
 use super::{Argument, Buffer, Gpu, GpuError, Pointer, Shape, abi};
 use crate::stages::cull::Leaves;
 use crate::stages::estimate::Tessellation;
@@ -140,7 +141,7 @@ pub(crate) fn memory<G: Gpu>(
     all: Count,
 ) -> Result<(), GpuError> {
     if options.frame == FrameShape::Staged {
-        geometry.vertices = Some(session.allocate(all.room())?);
+        geometry.vertices = Some(session.allocate_as(Role::Vertices, all.room())?);
         return Ok(());
     }
     if options.precision == Precision::F32 {

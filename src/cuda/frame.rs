@@ -4,6 +4,7 @@ use super::count::{Count, List};
 use super::evaluate::evaluate;
 use super::hardware::{ByHardware, Hardware};
 use super::session::{Geometry, Session};
+use super::shared::Role;
 use super::trims::TrimPointers;
 use super::{Buffer, Gpu, GpuError, Pod, Pointer, abi};
 use crate::stages::TrimCounts;
@@ -90,8 +91,8 @@ impl<'s, 'g, G: Gpu> Stages<'s, 'g, G> {
             trims,
             textured,
             hardware: ByHardware::default(),
-            near: session.zeroed(pixels)?,
-            spare: session.zeroed(pixels)?,
+            near: session.zeroed_as(Role::Near, pixels)?,
+            spare: session.zeroed_as(Role::Spare, pixels)?,
             parameters: session.allocate(pixels)?,
             color: session.allocate(pixels)?,
             slots: session.zeroed(pixels)?,

@@ -3,9 +3,11 @@
 
 use super::count::Count;
 use super::frame::Stages;
-use super::{Argument, Gpu, GpuError, Pointer, TrimLists, abi};
+use super::session::Geometry;
+use super::shared::Role;
+use super::{Argument, Buffer, Gpu, GpuError, Pointer, TrimLists, abi};
 use crate::stages::Fill;
-use crate::vulkan::{self, Rasterizer};
+use crate::vulkan::{self, BINS, Jobs, Rasterizer, SharedInput, Wanted};
 use std::sync::Arc;
 
 /// What draws meshlets beside a device's kernels.
@@ -36,10 +38,8 @@ impl<G: Gpu> Stages<'_, '_, G> {
     pub(super) fn rasterize_by_hardware(&mut self, hardware: &mut Hardware) -> Result<(), GpuError> {
         let [meshlets, triangles] = self.mark(hardware)?;
         self.hardware.triangles = triangles;
-        if meshlets > 0 {
-            self.copied(hardware)?;
-        }
-        Ok(())
+        let drawn = meshlets == 0 || self.shared(hardware)?;
+        if drawn { Ok(()) } else { self.copied(hardware) }
     }
 
     /// Marks the meshlets of leaves with large quads: how many these are, and their triangles.
@@ -54,6 +54,63 @@ impl<G: Gpu> Stages<'_, '_, G> {
         let (textured, meshlets) = (u32::from(self.textured), geometry.meshlets.pointer());
         self.session.for_all("hardware_marks", count, &[&count, &taken, &textured, &meshlets, &counted.pointer()])?;
         Ok(self.session.download(&counted)?.first().copied().unwrap_or_default())
+    }
+
+    /// In memory that both devices see; false where there is none.
+    fn shared(&mut self, hardware: &mut Hardware) -> Result<bool, GpuError> {
+        if self.session.shared.is_none() {
+            return Ok(false);
+        }
+        let (size, count) = (self.geometry.view.size, self.geometry.meshlets.count);
+        let wanted = hardware.rasterizer.wanted(hardware.fill, size);
+        let counted = self.session.zeroed::<[u64; BINS]>(1)?;
+        self.jobs(&wanted, &counted, &[0; BINS], Pointer::NULL)?;
+        let counts = self.session.download(&counted)?;
+        let needed = counts.iter().flatten().sum();
+        let too_many = || GpuError::TooMany { what: "workgroups", needed, limit: u32::MAX.into() };
+        let jobs = counts.first().and_then(|counts| Jobs::new(counts, hardware.fill)).ok_or_else(too_many)?;
+        let list = self.session.allocate_as::<u32>(Role::Jobs, jobs.all as usize)?;
+        let counted = self.session.zeroed::<[u64; BINS]>(1)?;
+        self.jobs(&wanted, &counted, &jobs.first, list.pointer())?;
+        let drawn = self.session.hand_over(|shared| {
+            let memory = |role| shared.memory(role).ok_or(GpuError::Unsettled);
+            let drawn = hardware.rasterizer.draw_shared(&SharedInput {
+                size,
+                fill: hardware.fill,
+                patches: memory(Role::Patches)?,
+                leaves: memory(Role::Leaves)?,
+                meshlets: memory(Role::Meshlets)?,
+                all: count.room() as u32,
+                vertices: memory(Role::Vertices)?,
+                listed: memory(Role::Jobs)?,
+                jobs: &jobs,
+                near: memory(Role::Near)?,
+                spare: memory(Role::Spare)?,
+                trims: hardware.trims.as_ref(),
+                alone: hardware.alone,
+                order: shared.order(),
+            })?;
+            Ok(drawn.to_vec())
+        })?;
+        self.hardware.listed = drawn.unwrap_or_default();
+        Ok(true)
+    }
+
+    /// Counts the workgroups by bins and, where `out` is not null, lists them.
+    fn jobs(
+        &mut self,
+        wanted: &Wanted,
+        counted: &Buffer<[u64; BINS]>,
+        first: &[u32; BINS],
+        out: Pointer<u32>,
+    ) -> Result<(), GpuError> {
+        let Geometry { patches, leaves, meshlets, vertices, .. } = self.geometry;
+        let vertices = vertices.map_or(Pointer::NULL, |vertices| vertices.pointer());
+        let lists = (patches.pointer(), leaves.pointer(), meshlets.pointer());
+        let (count, counted) = (meshlets.count, counted.pointer());
+        let all: [&dyn Argument; 9] =
+            [&count, &lists.0, &lists.1, &lists.2, &vertices, wanted, &counted, first, &out];
+        self.session.for_all("hardware_jobs", count, &all)
     }
 
     /// By way of the host: where the two devices share no memory.

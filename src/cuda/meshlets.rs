@@ -8,6 +8,7 @@ use super::gpu::pods;
 use super::precision::Arithmetic;
 use super::scan::scan;
 use super::session::Session;
+use super::shared::Role;
 use super::{Buffer, Gpu, GpuError, Pointer, Shape, abi};
 
 pods!(abi::MeshletCounts);
@@ -58,7 +59,9 @@ pub(crate) fn meshlets<G: Gpu>(session: &mut Session<G>, seen: &Seen, leaves: &L
     let vertices = session.count(vertices, MAX_VERTICES)?.map_err(|_| Stopped::Vertices)?;
     let needed = session.count(needed, MAX_MESHLETS)?.map_err(|needed| Stopped::Meshlets { needed })?;
     let all = session.both(needed, vertices)?;
-    let meshlets = session.list(all)?;
+    let trims = seen.view.trim != 0 && seen.scene.trimmed;
+    // Those that trims leave are the final ones.
+    let meshlets = if trims { session.list(all)? } else { session.list_as(Role::Meshlets, all)? };
     session.for_all(
         "meshlet_list",
         count,
@@ -66,7 +69,7 @@ pub(crate) fn meshlets<G: Gpu>(session: &mut Session<G>, seen: &Seen, leaves: &L
     )?;
     let counts = session.zeroed::<abi::MeshletCounts>(1)?;
     let mut found = Meshlets { meshlets, vertices, all, counts };
-    if seen.view.trim != 0 && seen.scene.trimmed {
+    if trims {
         found = trim(session, seen, leaves, found)?;
     }
     let kept = found.meshlets.count;
@@ -130,7 +133,7 @@ fn compact<G: Gpu>(
     let kept = session.count_of(kept, "meshlets")?;
     let vertices = session.count_of(all_vertices, "vertices")?;
     let kept = session.both(kept, vertices)?;
-    let list = session.list(kept)?;
+    let list = session.list_as(Role::Meshlets, kept)?;
     let (meshlets, slots, firsts) = (from.meshlets.pointer(), slots.pointer(), firsts.pointer());
     session.for_all(
         "meshlet_compact",

@@ -29,6 +29,7 @@
 //! | `selection.rs` | which arithmetic a patch is evaluated in |
 //! | `session.rs` | a frame's buffers and launches |
 //! | `settle.rs` | the nearest surface under pixels that are not settled |
+//! | `shared.rs` | memory that mesh shaders see too |
 //! | `shade.rs` | the exact surface under every pixel |
 //! | `stream.rs` | a GPU as a frame uses it |
 //! | `surfaces.rs` | patches for the kernels that evaluate points with normals |
@@ -75,6 +76,7 @@ pub mod selection;
 pub(crate) mod session;
 mod settle;
 mod shade;
+pub(crate) mod shared;
 // Launches and copies are calls of the driver.
 #[allow(unsafe_code)]
 mod stream;

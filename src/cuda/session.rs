@@ -1,6 +1,7 @@
 //! One frame's use of a device: buffers that are freed together, and launches that all begin with the frame's geometry.
 
 use super::count::{Count, List, Plan, Sizes};
+use super::shared::{Role, Shared};
 use super::{Argument, Buffer, Gpu, GpuError, Pod, Pointer, Shape, abi};
 use crate::stages::STAGES;
 use std::collections::VecDeque;
@@ -13,6 +14,8 @@ const WARPS: usize = THREADS as usize / 32;
 /// Buffers of one frame.
 pub(crate) struct Session<'g, G: Gpu> {
     gpu: &'g mut G,
+    /// Where mesh shaders draw a part of the frame, in the same memory.
+    pub(super) shared: Option<&'g mut Shared>,
     owned: Vec<Buffer<u8>>,
     /// Where the frame began and its stages ended.
     marks: Vec<G::Mark>,
@@ -48,10 +51,16 @@ impl<'g, G: Gpu> Session<'g, G> {
         Self::with_plan(gpu, None, Vec::new())
     }
 
+    /// Some of its memory is mesh shaders' too.
+    pub fn sharing(gpu: &'g mut G, shared: Option<&'g mut Shared>) -> Self {
+        Self { shared, ..Self::new(gpu) }
+    }
+
     /// With room as earlier frames had to ask for, and their buffers.
     pub fn with_plan(gpu: &'g mut G, plan: Option<Plan>, kept: Vec<Buffer<u8>>) -> Self {
         Self {
             gpu,
+            shared: None,
             owned: Vec::new(),
             marks: Vec::new(),
             open: 0,
@@ -96,6 +105,34 @@ impl<'g, G: Gpu> Session<'g, G> {
             None => self.gpu.zeroed(length)?,
         };
         Ok(self.own(buffer))
+    }
+
+    /// Room that mesh shaders see too, where they draw.
+    pub fn allocate_as<T: Pod>(&mut self, role: Role, length: usize) -> Result<Buffer<T>, GpuError> {
+        match &mut self.shared {
+            Some(shared) => shared.room(self.gpu, role, length),
+            None => self.allocate(length),
+        }
+    }
+
+    /// The same with every byte 0.
+    pub fn zeroed_as<T: Pod>(&mut self, role: Role, length: usize) -> Result<Buffer<T>, GpuError> {
+        if self.shared.is_none() {
+            return self.zeroed(length);
+        }
+        let buffer = self.allocate_as(role, length)?;
+        self.gpu.clear(&buffer)?;
+        Ok(buffer)
+    }
+
+    /// Once all that was launched has ended, `draw` has the memory that both see, where there is any.
+    pub fn hand_over<R>(
+        &mut self,
+        draw: impl FnOnce(&Shared) -> Result<R, GpuError>,
+    ) -> Result<Option<R>, GpuError> {
+        let Some(shared) = self.shared.as_deref_mut() else { return Ok(None) };
+        shared.hand_over(self.gpu)?;
+        draw(shared).map(Some)
     }
 
     pub fn upload<T: Pod>(&mut self, data: &[T]) -> Result<Buffer<T>, GpuError> {
@@ -158,7 +195,8 @@ impl<'g, G: Gpu> Session<'g, G> {
 
     /// Memory that the frame has on the device.
     pub fn bytes(&self) -> u64 {
-        self.owned.iter().map(|b| b.len() as u64).sum()
+        let shared = self.shared.as_ref().map_or(0, |shared| shared.bytes());
+        self.owned.iter().map(|b| b.len() as u64).sum::<u64>() + shared
     }
 
     /// From here the first stage is timed. Where all buffers are there, the frame is recorded and run as a whole.

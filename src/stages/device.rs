@@ -14,9 +14,12 @@ use crate::cuda::frame::Input;
 use crate::cuda::hardware::Hardware;
 use crate::cuda::scene::SceneOnDevice;
 use crate::cuda::session::Session;
+use crate::cuda::shared::Shared;
 use crate::cuda::{self, Buffer, Gpu, GpuError, frame};
 use crate::emulated::{self, TensorCores};
 use crate::scene::Camera;
+use crate::vulkan::Rasterizer;
+use std::sync::Arc;
 
 /// What draws frames.
 #[derive(Debug, Default)]
@@ -150,14 +153,29 @@ impl Renderer<'_> {
             trims,
             alone: is_tested_alone(options),
         };
-        let mut session = Session::new(gpu);
+        let mut shared = self.shared_with(gpu, hardware.rasterizer)?;
+        let mut session = Session::sharing(gpu, shared.as_mut());
         let frame = self.frame_in(&mut session, scene, camera, options, Some(&mut hardware));
         let freed = session.free();
+        self.shared = shared;
         let failed = |e: &RenderError| matches!(e, RenderError::Gpu(GpuError::Vulkan(e)) if e.is_final());
         // After a failure the next frame opens the device anew.
         self.hardware = (!frame.as_ref().is_err_and(failed)).then_some(rasterizer);
         freed?;
         frame?.ok_or(RenderError::Gpu(GpuError::Unsettled))
+    }
+
+    /// The memory that both devices see; None: they can't share any.
+    fn shared_with<G: Gpu>(
+        &mut self,
+        gpu: &mut G,
+        rasterizer: &Rasterizer,
+    ) -> Result<Option<Shared>, RenderError> {
+        match self.shared.take() {
+            Some(shared) if Arc::ptr_eq(shared.device(), rasterizer.device()) => return Ok(Some(shared)),
+            other => other.map_or(Ok(()), |other| other.free(gpu))?,
+        }
+        Ok(Shared::new(gpu, rasterizer.device()))
     }
 
     /// None: there was no room for something.

@@ -97,6 +97,8 @@ pub struct Renderer<'a> {
     spare_targets: Option<Targets>,
     /// Made when a frame first asks for it.
     pub(super) hardware: Option<Rasterizer>,
+    /// What the engine's device shares with it.
+    pub(super) shared: Option<Shared>,
     /// The scene's, where hardware has drawn trimmed faces.
     pub(super) trim_lists: Option<Arc<TrimLists>>,
 }
@@ -125,6 +127,7 @@ impl<'a> Renderer<'a> {
             tables: BasisTables::new(),
             spare_targets: None,
             hardware: None,
+            shared: None,
             trim_lists: None,
         }
     }

@@ -3,7 +3,7 @@
 
 use super::pipeline::{Kind, Push};
 use super::rasterize::Input;
-use crate::cuda::abi;
+use crate::cuda::{Pod, abi};
 use crate::stages::Fill;
 
 /// Items of a meshlet that one workgroup of vk_shaders/outlines.mesh looks at.
@@ -50,6 +50,61 @@ pub(super) fn jobs(input: &Input, push: &Push) -> (Vec<u32>, Vec<Draw>) {
         }
     }
     (jobs, draws)
+}
+
+/// Kinds, each without trims and with them.
+pub(crate) const BINS: usize = 12;
+
+/// What a device that lists workgroups itself is told: `Wanted` of kernels/hardware.cu.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct Wanted {
+    /// A bit for each kind that the fill rule draws.
+    pub kinds: u32,
+    pub middle: [i32; 2],
+    pub half_viewport: i32,
+}
+
+// SAFETY: numbers, without padding; any bytes are a value of it.
+unsafe impl Pod for Wanted {}
+
+/// A list of workgroups that a device makes.
+#[derive(Clone, Debug)]
+pub(crate) struct Jobs {
+    /// Where each bin begins in it.
+    pub first: [u32; BINS],
+    /// How long it is.
+    pub all: u32,
+    pub(super) draws: Vec<Draw>,
+}
+
+impl Wanted {
+    pub fn new(fill: Fill, size: [u32; 2], half_viewport: i32) -> Self {
+        let kinds = passes(fill).into_iter().flatten().fold(0, |bits, &kind| bits | 1 << kind as u32);
+        Self { kinds, middle: middle(size), half_viewport }
+    }
+}
+
+impl Jobs {
+    /// Of as many workgroups in each bin; None: of more than lists hold.
+    pub fn new(counts: &[u64; BINS], fill: Fill) -> Option<Self> {
+        let mut jobs = Self { first: [0; BINS], all: 0, draws: Vec::new() };
+        for (&kind, trimmed) in passes(fill).into_iter().flatten().flat_map(|kind| [(kind, false), (kind, true)]) {
+            let bin = 2 * kind as usize + usize::from(trimmed);
+            let (first, count) = (jobs.all, u32::try_from(counts[bin]).ok()?);
+            jobs.first[bin] = first;
+            jobs.all = first.checked_add(count)?;
+            if count > 0 {
+                jobs.draws.push(Draw { kind, trimmed, first, count });
+            }
+        }
+        Some(jobs)
+    }
+}
+
+/// The pixel in the viewport's middle.
+pub(super) fn middle(size: [u32; 2]) -> [i32; 2] {
+    size.map(|n| n as i32 / 2)
 }
 
 /// How many workgroups a meshlet's items of a kind take.

@@ -18,6 +18,7 @@
 //! | `trims.rs` | trim trees, and fragments that only the exact surface can decide |
 //! | `threshold.rs` | what each device has been measured to be good for |
 //! | `rasterize.rs` | a frame's meshlets into its two buffers of words |
+//! | `rasterize_shared.rs` | the same in memory that the frame's own device sees |
 //! | `recorder.rs` | one list of commands, run to its end, and timed |
 //! | `tessellation.rs` | what frames do not use: evaluation by fixed-function tessellation (ETER, table 3; Yeo 2012) |
 //! | `tessellation_pieces.rs` | patches cut to what hardware tessellates at once |
@@ -36,6 +37,7 @@ mod jobs;
 mod memory;
 mod pipeline;
 mod rasterize;
+mod rasterize_shared;
 mod recorder;
 mod shared;
 mod sharing;
@@ -51,6 +53,8 @@ pub use evaluated::Evaluated;
 pub use handle::Handle;
 pub use instance::{Instance, Validation};
 pub use rasterize::{Drawn, Input, Rasterizer};
+pub(crate) use jobs::{BINS, Jobs, Wanted};
+pub(crate) use rasterize_shared::SharedInput;
 pub use shared::{Order, SharedBuffer, SharedSemaphore, Transfers};
 pub use sharing::Semaphores;
 pub use tessellation::{Parameters, Sample, Tessellated, Tessellation, Tessellator, with_factor};

@@ -1,12 +1,12 @@
 //! rasterize: a frame's meshlets by mesh shaders, into its two buffers of visibility words.
 
-use super::jobs::{self, Draw};
+use super::jobs::{self, Draw, Wanted};
 use super::memory::{Buffer, Use};
 use super::pipeline::{Kind, PUSH_BYTES, Pipelines, Push};
 use super::recorder::{Copy, Recorder};
 use super::threshold;
 use super::trims::Trims;
-use super::{Device, VulkanError};
+use super::{Device, Order, SharedBuffer, VulkanError};
 use crate::cuda::{Pod, TrimLists, abi};
 use crate::stages::Fill;
 use ash::vk;
@@ -48,8 +48,8 @@ pub struct Drawn<'a> {
 pub struct Rasterizer {
     // Before `recorder`, whose device they hold too; `drop` waits first.
     buffers: Buffers,
-    pipelines: Pipelines,
-    recorder: Recorder,
+    pub(super) pipelines: Pipelines,
+    pub(super) recorder: Recorder,
     /// Pixels along the longer side of a quad from which on it is worth drawing here.
     large: f64,
 }
@@ -68,12 +68,17 @@ struct Buffers {
 }
 
 /// What one frame is drawn with.
-struct Frame<'a> {
-    input: Input<'a>,
-    push: Push,
-    draws: Vec<Draw>,
+pub(super) struct Frame<'a> {
+    pub size: [u32; 2],
+    pub fill: Fill,
+    pub push: Push,
+    pub draws: Vec<Draw>,
+    /// What is 0 before anything is drawn.
+    pub clears: Vec<vk::Buffer>,
     /// From where to where words are copied for the host, and what trimming lists.
-    copies: Vec<Copy>,
+    pub copies: Vec<Copy>,
+    /// What another device has written, and will read.
+    pub shared: Vec<&'a SharedBuffer>,
 }
 
 impl Rasterizer {
@@ -108,7 +113,7 @@ impl Rasterizer {
         Err(VulkanError::Unfit { device, missing: vec!["the top-left rule".into()] })
     }
 
-    pub fn device(&self) -> &Device {
+    pub fn device(&self) -> &Arc<Device> {
         &self.recorder.device
     }
 
@@ -120,41 +125,88 @@ impl Rasterizer {
 
     /// Draws meshlets into buffers of their own.
     pub fn draw(&mut self, input: &Input) -> Result<Drawn<'_>, VulkanError> {
-        self.recorder.check()?;
         check(input)?;
-        let device = self.recorder.device.clone();
+        self.check_size(input.size)?;
+        loop {
+            let frame = self.upload(input)?;
+            self.run(&frame, &Order::default())?;
+            if self.lists_fit(input.trims)? {
+                break;
+            }
+        }
         let [width, height] = input.size;
+        let pixels = width as usize * height as usize;
+        let [near, spare] =
+            self.buffers.words.each_ref().map(|words| words.as_ref().map_or(&[][..], |w| w.read(pixels)));
+        Ok(Drawn { near, spare, listed: self.listed(input.trims) })
+    }
+
+    pub(super) fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), VulkanError> {
+        self.recorder.check()?;
+        let device = &self.recorder.device;
         if width.max(height) > device.largest {
             let (limit, device) = (device.largest, device.found.name.clone());
             return Err(VulkanError::ImageTooLarge { width, height, limit, device });
         }
-        loop {
-            let frame = self.upload(input)?;
-            let pipelines = &self.pipelines;
-            self.recorder.run("drawing meshlets", |recorder| On { recorder, pipelines }.record(&frame))?;
-            let trims = self.buffers.trims.as_mut().filter(|_| input.trims.is_some());
-            if trims.map_or(Ok(true), |trims| trims.has_room(&device))? {
-                break;
-            }
-        }
-        let pixels = width as usize * height as usize;
-        let [near, spare] =
-            self.buffers.words.each_ref().map(|words| words.as_ref().map_or(&[][..], |w| w.read(pixels)));
-        let trims = self.buffers.trims.as_ref().filter(|_| input.trims.is_some());
-        Ok(Drawn { near, spare, listed: trims.map_or(&[], Trims::found) })
+        Ok(())
     }
 
-    fn upload<'a>(&mut self, input: &Input<'a>) -> Result<Frame<'a>, VulkanError> {
-        let Self { buffers, pipelines, recorder, .. } = self;
-        let device = &recorder.device;
-        let middle = input.size.map(|n| n as i32 / 2);
-        let mut push = Push {
-            size: input.size,
-            middle,
-            half_viewport: device.half_viewport as i32,
-            scale: 1.0 / device.half_viewport as f32,
+    /// Draws a frame to its end.
+    pub(super) fn run(&mut self, frame: &Frame, order: &Order) -> Result<(), VulkanError> {
+        let pipelines = &self.pipelines;
+        self.recorder.run_in_order("drawing meshlets", order, |recorder| On { recorder, pipelines }.record(frame))
+    }
+
+    /// False, and more room for the next time, where a frame listed more fragments than there was room for.
+    pub(super) fn lists_fit(&mut self, lists: Option<&Arc<TrimLists>>) -> Result<bool, VulkanError> {
+        let trims = self.buffers.trims.as_mut().filter(|_| lists.is_some());
+        trims.map_or(Ok(true), |trims| trims.has_room(&self.recorder.device))
+    }
+
+    /// What the last frame listed.
+    pub(super) fn listed(&self, lists: Option<&Arc<TrimLists>>) -> &[abi::Fragment] {
+        let trims = self.buffers.trims.as_ref().filter(|_| lists.is_some());
+        trims.map_or(&[], Trims::found)
+    }
+
+    /// What shaders are told of a picture, without any lists.
+    pub(super) fn push(&self, size: [u32; 2]) -> Push {
+        let half_viewport = self.recorder.device.half_viewport;
+        Push {
+            size,
+            middle: jobs::middle(size),
+            half_viewport: half_viewport as i32,
+            scale: 1.0 / half_viewport as f32,
             ..Push::default()
-        };
+        }
+    }
+
+    /// What a device that lists workgroups itself is told.
+    pub(crate) fn wanted(&self, fill: Fill, size: [u32; 2]) -> Wanted {
+        Wanted::new(fill, size, self.recorder.device.half_viewport as i32)
+    }
+
+    /// Tells shaders a scene's trees: what push constants name, what is 0 first, and what the host reads then.
+    pub(super) fn tell_trims(
+        &mut self,
+        lists: &Arc<TrimLists>,
+        alone: bool,
+    ) -> Result<(u64, vk::Buffer, [Copy; 2]), VulkanError> {
+        self.pipelines.make(true)?;
+        let trims = Trims::of(&self.recorder.device, &mut self.buffers.trims, lists)?;
+        let told = trims.tell(alone);
+        let (count, listed) = (size_of::<u64>() as u64, trims.listed.bytes());
+        let copies = [
+            Copy::new(trims.count.raw, trims.counted.raw, count),
+            Copy::new(trims.queue.raw, trims.listed.raw, listed),
+        ];
+        Ok((told, trims.count.raw, copies))
+    }
+
+    fn upload(&mut self, input: &Input) -> Result<Frame<'static>, VulkanError> {
+        let mut push = self.push(input.size);
+        let Self { buffers, recorder, .. } = self;
+        let device = &recorder.device;
         let (jobs, draws) = jobs::jobs(input, &push);
         push.patches = filled(device, &mut buffers.patches, input.patches)?;
         push.leaves = filled(device, &mut buffers.leaves, input.leaves)?;
@@ -171,15 +223,14 @@ impl Rasterizer {
             Copy::new(near.raw, room(device, near_words, bytes, Use::Download)?.raw, bytes),
             Copy::new(spare.raw, room(device, spare_words, bytes, Use::Download)?.raw, bytes),
         ];
+        let mut clears: Vec<vk::Buffer> = copies.iter().map(|copy| copy.from).collect();
         if let Some(lists) = input.trims {
-            pipelines.make(true)?;
-            let trims = Trims::of(device, &mut buffers.trims, lists)?;
-            push.trims = trims.tell(input.alone);
-            let (count, listed) = (size_of::<u64>() as u64, trims.listed.bytes());
-            copies.push(Copy::new(trims.count.raw, trims.counted.raw, count));
-            copies.push(Copy::new(trims.queue.raw, trims.listed.raw, listed));
+            let (told, count, lists) = self.tell_trims(lists, input.alone)?;
+            push.trims = told;
+            clears.push(count);
+            copies.extend(lists);
         }
-        Ok(Frame { input: *input, push, draws, copies })
+        Ok(Frame { size: input.size, fill: input.fill, push, draws, clears, copies, shared: Vec::new() })
     }
 }
 
@@ -191,26 +242,29 @@ struct On<'a> {
 
 impl On<'_> {
     fn record(&self, frame: &Frame) {
-        // The queue of fragments may keep what it had: its count says how many there are.
-        for copy in frame.copies.iter().take(3) {
-            let (raw, commands) = (&self.recorder.device.raw, self.recorder.commands);
-            // SAFETY: commands are being recorded; the buffers live until the next `upload`, which comes after this frame.
-            unsafe { raw.cmd_fill_buffer(commands, copy.from, 0, vk::WHOLE_SIZE, 0) };
-        }
+        let shaders = vk::PipelineStageFlags2::MESH_SHADER_EXT | vk::PipelineStageFlags2::FRAGMENT_SHADER;
         let recorder = self.recorder;
+        recorder.acquire(&frame.shared, shaders);
+        // The queue of fragments may keep what it had: its count says how many there are.
+        for &buffer in &frame.clears {
+            let (raw, commands) = (&recorder.device.raw, recorder.commands);
+            // SAFETY: commands are being recorded; the buffers live until the next frame's are made, after this one.
+            unsafe { raw.cmd_fill_buffer(commands, buffer, 0, vk::WHOLE_SIZE, 0) };
+        }
         recorder.barrier(vk::PipelineStageFlags2::CLEAR, vk::PipelineStageFlags2::FRAGMENT_SHADER);
-        let [near, spare] = jobs::passes(frame.input.fill);
+        let [near, spare] = jobs::passes(frame.fill);
         self.pass(frame, near);
         recorder.barrier(vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::PipelineStageFlags2::FRAGMENT_SHADER);
         self.pass(frame, spare);
         recorder.barrier(vk::PipelineStageFlags2::FRAGMENT_SHADER, vk::PipelineStageFlags2::COPY);
         recorder.copy(&frame.copies);
         recorder.barrier(vk::PipelineStageFlags2::COPY, vk::PipelineStageFlags2::HOST);
+        recorder.release(&frame.shared, shaders);
     }
 
     /// All that is drawn before anybody looks at it.
     fn pass(&self, frame: &Frame, kinds: &[Kind]) {
-        let (raw, commands, [width, height]) = (&self.recorder.device.raw, self.recorder.commands, frame.input.size);
+        let (raw, commands, [width, height]) = (&self.recorder.device.raw, self.recorder.commands, frame.size);
         let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
         let rendering = vk::RenderingInfo::default().render_area(area).layer_count(1);
         let Push { middle, half_viewport, .. } = frame.push;
