@@ -46,6 +46,7 @@ mod tessellation_pipelines;
 pub mod threshold;
 mod trims;
 
+pub(crate) use device::uuid_text;
 pub use device::{Device, Found, devices};
 pub use evaluated::Evaluated;
 pub use handle::Handle;
@@ -87,6 +88,8 @@ pub enum VulkanError {
     Call { what: &'static str, code: vk::Result },
     #[error("{device} can't share {what} with other APIs")]
     Unshared { what: &'static str, device: String },
+    #[error("Vulkan has not signalled {value} to those who wait for it")]
+    NotSignalled { value: u64 },
     #[error("a handle that was to be {what} names something else")]
     WrongHandle { what: &'static str },
     #[error("images of {width} x {height} pixels are more than the {limit} a side that {device} can draw")]
