@@ -1,6 +1,7 @@
 //! Which CUDA devices there are. No context is made: listing takes no memory on them.
 
 use super::{CudaError, OLDEST_DEVICE, fatbin, toolkit};
+use crate::vulkan::uuid_text;
 use cudarc::driver::{result, sys};
 use serde::Serialize;
 use std::fs;
@@ -85,6 +86,11 @@ fn device(ordinal: i32, driver: &Driver) -> Result<Device, CudaError> {
 }
 
 impl Device {
+    /// As Vulkan writes it: NVIDIA promises the same bytes in the same order.
+    pub fn vulkan_uuid(&self) -> &str {
+        self.uuid.trim_start_matches("GPU-")
+    }
+
     /// Whether the embedded kernels run on it.
     pub fn check(&self) -> Result<(), CudaError> {
         if self.compute_capability < OLDEST_DEVICE {
@@ -102,8 +108,7 @@ impl Device {
 
 /// GPU-8-4-4-4-12, hexadecimal.
 fn uuid(bytes: [u8; 16]) -> String {
-    let hex: String = bytes.iter().map(|b| format!("{b:02x}")).collect();
-    format!("GPU-{}-{}-{}-{}-{}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
+    format!("GPU-{}", uuid_text(bytes))
 }
 
 /// The driver's version in `/proc/driver/nvidia/version`: the first line's first word of digits and dots.
@@ -136,6 +141,8 @@ mod tests {
     fn texts_are_as_nvidia_writes_them() {
         let bytes = std::array::from_fn(|k| 16 * k as u8 + 1);
         assert_eq!(uuid(bytes), "GPU-01112131-4151-6171-8191-a1b1c1d1e1f1");
+        let card = Device { uuid: uuid(bytes), ..card([9, 0], [99, 0]) };
+        assert_eq!(card.vulkan_uuid(), "01112131-4151-6171-8191-a1b1c1d1e1f1");
         let open =
             "NVRM version: NVIDIA UNIX Open Kernel Module for x86_64  580.65.06  Release Build  (a@b)\nGCC 12.2.0";
         assert_eq!(module_version(open).as_deref(), Some("580.65.06"));

@@ -3,8 +3,9 @@
 
 use super::{CudaError, abi};
 use crate::emulated::LaunchError;
-use crate::vulkan::VulkanError;
+use crate::vulkan::{SharedBuffer, SharedSemaphore, VulkanError};
 use std::marker::PhantomData;
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Plain data that kernels read and write.
@@ -166,6 +167,22 @@ pub trait Gpu {
 
     /// Gives memory back; what runs still uses it to its end.
     fn free<T: Pod>(&mut self, buffer: Buffer<T>) -> Result<(), GpuError>;
+
+    /// What Vulkan knows this device by, if it does.
+    fn vulkan_uuid(&self) -> Option<&str> {
+        None
+    }
+
+    /// Memory of Vulkan as a buffer of this device. [`Gpu::free`] gives this device's part of it back; Vulkan keeps its own.
+    /// Who writes when is for callers to order, by [`Gpu::signal`] and [`Gpu::wait`] or by waiting for the end of everything.
+    fn adopt(&mut self, memory: &SharedBuffer) -> Result<Buffer<u8>, GpuError>;
+
+    /// Signals a semaphore after all that was launched; a timeline gets this value, a binary semaphore has none. Like
+    /// [`Gpu::wait`] and [`Gpu::adopt`], not while launches are recorded.
+    fn signal(&mut self, semaphore: &Arc<SharedSemaphore>, value: u64) -> Result<(), GpuError>;
+
+    /// What is launched from here on waits until a semaphore is signalled, a timeline until it has reached this value.
+    fn wait(&mut self, semaphore: &Arc<SharedSemaphore>, value: u64) -> Result<(), GpuError>;
 
     /// Runs a kernel. Arguments must be the kernel's parameters, in order; a buffer is passed as its [`Buffer::pointer`].
     fn launch(&mut self, kernel: &str, shape: Shape, arguments: &[&dyn Argument]) -> Result<(), GpuError>;

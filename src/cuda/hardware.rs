@@ -108,8 +108,7 @@ impl<G: Gpu> Stages<'_, '_, G> {
         let vertices = vertices.map_or(Pointer::NULL, |vertices| vertices.pointer());
         let lists = (patches.pointer(), leaves.pointer(), meshlets.pointer());
         let (count, counted) = (meshlets.count, counted.pointer());
-        let all: [&dyn Argument; 9] =
-            [&count, &lists.0, &lists.1, &lists.2, &vertices, wanted, &counted, first, &out];
+        let all: [&dyn Argument; 9] = [&count, &lists.0, &lists.1, &lists.2, &vertices, wanted, &counted, first, &out];
         self.session.for_all("hardware_jobs", count, &all)
     }
 

@@ -12,6 +12,7 @@
 //! | `device.rs` | which devices there are, and what is missing where there is none |
 //! | `estimate.rs` | the leaves of all visible patches, with their grids |
 //! | `evaluate.rs` | the vertices of all meshlets, by the kernels for their patches |
+//! | `external.rs` | memory and semaphores of Vulkan on a CUDA device |
 //! | `fill.rs` | the pixels that the spare buffer takes |
 //! | `frame.rs` | the frame after estimate: its buffers and the order of its stages |
 //! | `gpu.rs` | memory and launches: what a frame needs of a device |
@@ -55,6 +56,9 @@ pub(crate) mod cull;
 mod device;
 pub(crate) mod estimate;
 pub mod evaluate;
+// Imports are calls of the driver.
+#[allow(unsafe_code)]
+mod external;
 mod fill;
 pub(crate) mod frame;
 mod gpu;

@@ -3,6 +3,8 @@
 
 use super::{Argument, Buffer, Gpu, GpuError, Pod, Shape};
 use crate::emulated::{Device, LaunchError};
+use crate::vulkan::{SharedBuffer, SharedSemaphore};
+use std::sync::Arc;
 use std::time::Instant;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -101,6 +103,21 @@ impl Gpu for Recorded {
 
     fn free<T: Pod>(&mut self, buffer: Buffer<T>) -> Result<(), GpuError> {
         Gpu::free(&mut self.device, buffer)
+    }
+
+    fn adopt(&mut self, memory: &SharedBuffer) -> Result<Buffer<u8>, GpuError> {
+        self.waits("adopt");
+        self.device.adopt(memory).map(|b| self.own(b))
+    }
+
+    fn signal(&mut self, semaphore: &Arc<SharedSemaphore>, value: u64) -> Result<(), GpuError> {
+        self.waits("signal");
+        self.device.signal(semaphore, value)
+    }
+
+    fn wait(&mut self, semaphore: &Arc<SharedSemaphore>, value: u64) -> Result<(), GpuError> {
+        self.waits("wait");
+        self.device.wait(semaphore, value)
     }
 
     fn launch(&mut self, kernel: &str, shape: Shape, arguments: &[&dyn Argument]) -> Result<(), GpuError> {

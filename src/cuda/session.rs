@@ -126,10 +126,7 @@ impl<'g, G: Gpu> Session<'g, G> {
     }
 
     /// Once all that was launched has ended, `draw` has the memory that both see, where there is any.
-    pub fn hand_over<R>(
-        &mut self,
-        draw: impl FnOnce(&Shared) -> Result<R, GpuError>,
-    ) -> Result<Option<R>, GpuError> {
+    pub fn hand_over<R>(&mut self, draw: impl FnOnce(&Shared) -> Result<R, GpuError>) -> Result<Option<R>, GpuError> {
         let Some(shared) = self.shared.as_deref_mut() else { return Ok(None) };
         shared.hand_over(self.gpu)?;
         draw(shared).map(Some)

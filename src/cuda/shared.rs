@@ -42,12 +42,12 @@ impl Shared {
         let memory = SharedBuffer::new(device, 1).ok()?;
         let buffer = gpu.adopt(&memory).ok()?;
         gpu.free(buffer).ok()?;
-        let kind = device.shares_semaphores();
-        let semaphore = (kind != Semaphores::None).then(|| SharedSemaphore::new(device, kind).ok()).flatten();
-        let signals = |semaphore: &Arc<SharedSemaphore>| {
-            gpu.signal(semaphore, 1).and_then(|()| gpu.wait(semaphore, 1)).and_then(|()| gpu.finish()).is_ok()
+        let mut made = |kind| {
+            let semaphore = Arc::new(SharedSemaphore::new(device, kind).ok()?);
+            gpu.signal(&semaphore, 1).and_then(|()| gpu.wait(&semaphore, 1)).and_then(|()| gpu.finish()).ok()?;
+            Some((semaphore, 1))
         };
-        let semaphore = semaphore.map(Arc::new).filter(signals).map(|semaphore| (semaphore, 1));
+        let semaphore = made(Semaphores::Timeline).or_else(|| made(Semaphores::Binary));
         Some(Self { device: device.clone(), places: Default::default(), semaphore })
     }
 

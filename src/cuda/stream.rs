@@ -1,24 +1,46 @@
 //! A GPU as the frame uses it: one stream on one device, and its memory.
 
+use super::external::{ExternalMemory, ExternalSemaphore};
 use super::gpu::bytes_of;
 use super::graph::Graph;
 use super::ranges::Ranges;
 use super::{Argument, Buffer, CudaError, Device, Gpu, GpuError, Kernels, OLDEST_DEVICE, Pod, Pointer, Shape, devices};
+use crate::vulkan::{Semaphores, SharedBuffer, SharedSemaphore};
 use cudarc::driver::{CudaEvent, CudaFunction, CudaSlice, CudaStream, DevicePtr, result, sys};
 use foldhash::{HashMap, HashMapExt};
 use std::ffi::c_void;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
+
+/// Memory of a stream.
+#[derive(Debug)]
+enum Memory {
+    Own(CudaSlice<u8>),
+    /// Vulkan's.
+    External(ExternalMemory),
+}
+
+impl Memory {
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Own(slice) => slice.len(),
+            Self::External(memory) => memory.bytes(),
+        }
+    }
+}
 
 /// Launches follow each other on one stream.
 #[derive(Debug)]
 pub struct Stream {
     name: String,
     compute_capability: [i32; 2],
+    vulkan_uuid: String,
     kernels: Kernels,
     stream: Arc<CudaStream>,
     /// By [`Buffer`]'s number.
-    memory: Vec<Option<CudaSlice<u8>>>,
+    memory: Vec<Option<Memory>>,
     unused: Vec<usize>,
+    /// Imported once each.
+    semaphores: Vec<(Weak<SharedSemaphore>, ExternalSemaphore)>,
     functions: HashMap<String, CudaFunction>,
     graph: Graph,
     ranges: Ranges,
@@ -34,11 +56,13 @@ impl Stream {
         let driver = |d: &Device| d.driver.version.clone().unwrap_or_else(|| "unknown".into());
         Ok(Self {
             name: device.as_ref().map_or_else(String::new, |d| format!("{}, driver {}", d.name, driver(d))),
+            vulkan_uuid: device.as_ref().map_or_else(String::new, |d| d.vulkan_uuid().into()),
             compute_capability: device.map_or(OLDEST_DEVICE, |d| d.compute_capability),
             kernels,
             stream,
             memory: Vec::new(),
             unused: Vec::new(),
+            semaphores: Vec::new(),
             functions: HashMap::new(),
             graph: Graph::default(),
             ranges: Ranges::new(),
@@ -49,6 +73,15 @@ impl Stream {
         self.compute_capability
     }
 
+    /// The best semaphores that can be shared with Vulkan.
+    pub fn semaphores(&self) -> Semaphores {
+        let timelines = sys::CUdevice_attribute::CU_DEVICE_ATTRIBUTE_TIMELINE_SEMAPHORE_INTEROP_SUPPORTED;
+        match self.stream.context().attribute(timelines) {
+            Ok(yes) if yes != 0 => Semaphores::Timeline,
+            _ => Semaphores::Binary,
+        }
+    }
+
     /// The device and its driver, as rows of measurements name them.
     pub fn name(&self) -> &str {
         &self.name
@@ -56,17 +89,36 @@ impl Stream {
 
     fn keep<T>(&mut self, slice: CudaSlice<u8>, length: usize) -> Buffer<T> {
         let bits = slice.device_ptr(&self.stream).0;
+        self.put(Memory::Own(slice), bits, length)
+    }
+
+    fn put<T>(&mut self, memory: Memory, bits: u64, length: usize) -> Buffer<T> {
         let number = self.unused.pop().unwrap_or(self.memory.len());
         if number == self.memory.len() {
             self.memory.push(None);
         }
-        self.memory[number] = Some(slice);
+        self.memory[number] = Some(memory);
         Buffer { pointer: Pointer::new(bits), number, length }
     }
 
-    fn slice<T>(&self, buffer: &Buffer<T>) -> Result<&CudaSlice<u8>, CudaError> {
+    fn memory<T>(&self, buffer: &Buffer<T>) -> Result<&Memory, CudaError> {
         let bytes = buffer.length * size_of::<T>();
-        self.memory.get(buffer.number).and_then(Option::as_ref).ok_or(CudaError::NoSuchBuffer { bytes })
+        let found = self.memory.get(buffer.number).and_then(Option::as_ref);
+        found.filter(|memory| memory.bytes() >= bytes).ok_or(CudaError::NoSuchBuffer { bytes })
+    }
+
+    fn semaphore(&mut self, of: &Arc<SharedSemaphore>) -> Result<&ExternalSemaphore, GpuError> {
+        self.semaphores.retain(|(known, _)| known.strong_count() > 0);
+        let known = self.semaphores.iter().position(|(known, _)| std::ptr::eq(known.as_ptr(), Arc::as_ptr(of)));
+        let place = match known {
+            Some(place) => place,
+            None => {
+                let imported = ExternalSemaphore::import(&self.stream, of.export()?, of.kind())?;
+                self.semaphores.push((Arc::downgrade(of), imported));
+                self.semaphores.len() - 1
+            }
+        };
+        Ok(&self.semaphores[place].1)
     }
 
     fn function(&mut self, kernel: &str) -> Result<CudaFunction, CudaError> {
@@ -100,6 +152,10 @@ fn room<T>(length: usize) -> usize {
 impl Gpu for Stream {
     type Mark = Arc<CudaEvent>;
 
+    fn vulkan_uuid(&self) -> Option<&str> {
+        Some(&self.vulkan_uuid)
+    }
+
     fn allocate<T: Pod>(&mut self, length: usize) -> Result<Buffer<T>, GpuError> {
         // SAFETY: the bytes hold anything, as callers are told; kernels write them before anyone reads them.
         let slice = unsafe { self.stream.alloc::<u8>(room::<T>(length)) };
@@ -127,17 +183,23 @@ impl Gpu for Stream {
         let mut data: Vec<T> = vec![unsafe { std::mem::zeroed() }; buffer.length];
         let bytes = size_of_val(&data[..]);
         if bytes > 0 {
-            let slice = self.slice(buffer)?.slice(..bytes);
             // SAFETY: the bytes of the vector, borrowed exclusively; any bytes are a T.
             let target = unsafe { std::slice::from_raw_parts_mut(data.as_mut_ptr().cast::<u8>(), bytes) };
-            self.stream.memcpy_dtoh(&slice, target).map_err(CudaError::of_driver("copying data from the GPU"))?;
+            let copied = match self.memory(buffer)? {
+                Memory::Own(slice) => self.stream.memcpy_dtoh(&slice.slice(..bytes), target),
+                // SAFETY: `memory` has seen that there are as many bytes; the copy ends before `data` does, in `finish`.
+                Memory::External(memory) => unsafe {
+                    result::memcpy_dtoh_async(target, memory.pointer(), self.stream.cu_stream())
+                },
+            };
+            copied.map_err(CudaError::of_driver("copying data from the GPU"))?;
         }
         self.finish()?;
         Ok(data)
     }
 
     fn clear<T: Pod>(&mut self, buffer: &Buffer<T>) -> Result<(), GpuError> {
-        let bytes = self.slice(buffer)?.len();
+        let bytes = self.memory(buffer)?.bytes();
         let failed = CudaError::of_driver("clearing memory of the GPU");
         // SAFETY: the allocation has as many bytes, and is used by this stream alone.
         let cleared = unsafe { result::memset_d8_async(buffer.pointer.bits, 0, bytes, self.stream.cu_stream()) };
@@ -145,11 +207,25 @@ impl Gpu for Stream {
     }
 
     fn free<T: Pod>(&mut self, buffer: Buffer<T>) -> Result<(), GpuError> {
-        self.slice(&buffer)?;
-        // Given back in the order of the stream: what runs still has it.
+        self.memory(&buffer)?;
+        // Given back in the order of the stream, or once nothing runs: what runs still has it.
         self.memory[buffer.number] = None;
         self.unused.push(buffer.number);
         Ok(())
+    }
+
+    fn adopt(&mut self, memory: &SharedBuffer) -> Result<Buffer<u8>, GpuError> {
+        let imported = ExternalMemory::import(&self.stream, memory.export()?, memory.bytes(), memory.allocation())?;
+        let (bits, length) = (imported.pointer(), imported.bytes());
+        Ok(self.put(Memory::External(imported), bits, length))
+    }
+
+    fn signal(&mut self, semaphore: &Arc<SharedSemaphore>, value: u64) -> Result<(), GpuError> {
+        Ok(self.semaphore(semaphore)?.signal(value)?)
+    }
+
+    fn wait(&mut self, semaphore: &Arc<SharedSemaphore>, value: u64) -> Result<(), GpuError> {
+        Ok(self.semaphore(semaphore)?.wait(value)?)
     }
 
     fn launch(&mut self, kernel: &str, shape: Shape, arguments: &[&dyn Argument]) -> Result<(), GpuError> {

@@ -2,9 +2,14 @@ use super::memory::Memory;
 use super::schedule::Schedule;
 use super::{LaunchError, Recording, ffi};
 use crate::cuda::{Argument, Buffer, Gpu, GpuError, Pod, Shape, bytes_of};
+use crate::vulkan::{SharedBuffer, SharedSemaphore, VulkanError};
 use std::fmt;
+use std::sync::Arc;
 use std::thread;
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+/// Vulkan has this long to signal a semaphore: as long as a list of its commands may take.
+const PATIENCE: Duration = Duration::from_secs(120);
 
 /// Memory and launches, as of a GPU. Devices share nothing: tests with one each can run side by side.
 pub struct Device {
@@ -132,6 +137,28 @@ impl Gpu for Device {
 
     fn free<T: Pod>(&mut self, buffer: Buffer<T>) -> Result<(), GpuError> {
         Ok(Device::free(self, &buffer)?)
+    }
+
+    /// The same bytes, where the host sees them. A [`Recording`] has what they are now, not what Vulkan writes later.
+    fn adopt(&mut self, memory: &SharedBuffer) -> Result<Buffer<u8>, GpuError> {
+        let buffer = self.memory.adopt(memory)?;
+        if let Some(recording) = &self.recording {
+            recording.allocated(buffer.pointer().bits, buffer.len(), 0);
+            recording.written(buffer.number, &self.memory.read(&buffer)?);
+        }
+        Ok(buffer)
+    }
+
+    /// Launches have ended: the host signals.
+    fn signal(&mut self, semaphore: &Arc<SharedSemaphore>, value: u64) -> Result<(), GpuError> {
+        Ok(semaphore.signal(value)?)
+    }
+
+    fn wait(&mut self, semaphore: &Arc<SharedSemaphore>, value: u64) -> Result<(), GpuError> {
+        if semaphore.wait(value, PATIENCE)? {
+            return Ok(());
+        }
+        Err(VulkanError::NotSignalled { value }.into())
     }
 
     fn launch(&mut self, kernel: &str, shape: Shape, arguments: &[&dyn Argument]) -> Result<(), GpuError> {

@@ -16,6 +16,8 @@ pub enum LaunchError {
     PlainPointer { kernel: String, index: usize },
     #[error("the buffer of {bytes} bytes is not one of this device, or was freed")]
     NoSuchBuffer { bytes: usize },
+    #[error("{device} keeps shared memory where kernels on the CPU can't see it")]
+    Unmapped { device: String },
     #[error("{given} elements do not fit a buffer of {length}")]
     Length { length: usize, given: usize },
     #[error("{0}")]

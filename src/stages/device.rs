@@ -144,7 +144,7 @@ impl Renderer<'_> {
         let options = &Options { frame: FrameShape::Staged, ..*options };
         let trims = scene.trimmed && options.trim == Trim::On;
         let trims = trims.then(|| self.trim_lists());
-        let mut rasterizer = self.take_hardware()?;
+        let mut rasterizer = self.take_hardware(gpu.vulkan_uuid())?;
         let large = if options.raster == Raster::Hybrid { options.large.unwrap_or(rasterizer.large()) } else { 0.0 };
         let mut hardware = Hardware {
             rasterizer: &mut rasterizer,
@@ -166,11 +166,7 @@ impl Renderer<'_> {
     }
 
     /// The memory that both devices see; None: they can't share any.
-    fn shared_with<G: Gpu>(
-        &mut self,
-        gpu: &mut G,
-        rasterizer: &Rasterizer,
-    ) -> Result<Option<Shared>, RenderError> {
+    fn shared_with<G: Gpu>(&mut self, gpu: &mut G, rasterizer: &Rasterizer) -> Result<Option<Shared>, RenderError> {
         match self.shared.take() {
             Some(shared) if Arc::ptr_eq(shared.device(), rasterizer.device()) => return Ok(Some(shared)),
             other => other.map_or(Ok(()), |other| other.free(gpu))?,

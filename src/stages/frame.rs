@@ -21,6 +21,7 @@ use super::trim_cut::gaps;
 use super::trim_texture::textures;
 use super::{Bound, FrameShape, Options, Precision, Trim};
 use crate::cuda::selection::{Clocks, Selection};
+use crate::cuda::shared::Shared;
 use crate::cuda::{self, TrimLists, abi, evaluate::Staged, scene::SceneOnDevice};
 use crate::scene::{Camera, PatchTrim, Scene};
 use crate::vulkan::Rasterizer;

@@ -89,17 +89,22 @@ impl Renderer<'_> {
         self.hardware = Some(rasterizer);
     }
 
-    /// What draws by hardware: made when it is first asked for.
-    fn hardware(&mut self) -> Result<&mut Rasterizer, RenderError> {
+    /// What draws by hardware: made when it is first asked for. `uuid`: the GPU that draws the frame, which can share memory;
+    /// where Vulkan can't draw with that, any other device will do.
+    fn hardware(&mut self, uuid: Option<&str>) -> Result<&mut Rasterizer, RenderError> {
+        let open = |uuid| Device::new(Validation::Off, uuid).and_then(Rasterizer::new);
         Ok(match &mut self.hardware {
             Some(rasterizer) => rasterizer,
-            none => none.insert(Rasterizer::new(Device::new(Validation::Off, None)?)?),
+            none => none.insert(match uuid {
+                Some(_) => open(uuid).or_else(|_| open(None))?,
+                None => open(None)?,
+            }),
         })
     }
 
     /// The same, to be given back after the frame.
-    pub(super) fn take_hardware(&mut self) -> Result<Rasterizer, RenderError> {
-        self.hardware()?;
+    pub(super) fn take_hardware(&mut self, uuid: Option<&str>) -> Result<Rasterizer, RenderError> {
+        self.hardware(uuid)?;
         self.hardware.take().ok_or(RenderError::Vulkan(VulkanError::NoDevice))
     }
 
@@ -112,7 +117,7 @@ impl Renderer<'_> {
     pub(super) fn routes(&mut self, drawn: &Geometries) -> Result<Routes, RenderError> {
         let Geometries { lens, options, leaves, grids, .. } = *drawn;
         let from = match options.raster {
-            Raster::Hybrid => options.large.map_or_else(|| self.hardware().map(|h| h.large()), Ok)?,
+            Raster::Hybrid => options.large.map_or_else(|| self.hardware(None).map(|h| h.large()), Ok)?,
             _ => 0.0,
         };
         let large = |(leaf, grid): (&Leaf, &Tessellation)| {
@@ -161,7 +166,7 @@ impl Renderer<'_> {
         };
         let lists = [size_of_val(input.patches), size_of_val(input.leaves), size_of_val(input.meshlets)];
         let lists = lists.iter().sum::<usize>() + size_of_val(input.vertices);
-        let drawn = self.hardware()?.draw(&input).map(|drawn| {
+        let drawn = self.hardware(None)?.draw(&input).map(|drawn| {
             merge(lens.size[0] as usize * BAND, drawn.near, drawn.spare, targets);
             (drawn.listed.to_vec(), lists + size_of_val(drawn.near) + size_of_val(drawn.spare))
         });

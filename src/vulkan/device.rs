@@ -14,7 +14,7 @@ pub struct Found {
     pub name: String,
     /// The driver's own words.
     pub driver: String,
-    /// As CUDA writes it: a device of both has the same.
+    /// As CUDA's, without `GPU-`: a device of both has the same.
     pub uuid: String,
     /// "discrete", "integrated", "virtual", "cpu" or "other".
     pub kind: &'static str,
@@ -162,9 +162,6 @@ fn look(instance: &Instance, device: vk::PhysicalDevice, sharing: Sharing) -> Fo
     let text = |bytes: Result<&CStr, std::ffi::FromBytesUntilNulError>| {
         bytes.map(|t| t.to_string_lossy().into_owned()).unwrap_or_default()
     };
-    let hex = |bytes: &[u8]| bytes.iter().map(|b| format!("{b:02x}")).collect::<String>();
-    let u = &id.device_uuid;
-    let uuid = [&u[..4], &u[4..6], &u[6..8], &u[8..10], &u[10..]].map(hex).join("-");
     let kind = match core.device_type {
         vk::PhysicalDeviceType::DISCRETE_GPU => "discrete",
         vk::PhysicalDeviceType::INTEGRATED_GPU => "integrated",
@@ -204,11 +201,17 @@ fn look(instance: &Instance, device: vk::PhysicalDevice, sharing: Sharing) -> Fo
     Found {
         name: text(core.device_name_as_c_str()),
         driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
-        uuid,
+        uuid: uuid_text(id.device_uuid),
         kind,
         missing,
         absent,
     }
+}
+
+/// 8-4-4-4-12, hexadecimal: of one device the same for Vulkan and for CUDA.
+pub(crate) fn uuid_text(u: [u8; 16]) -> String {
+    let hex = |bytes: &[u8]| bytes.iter().map(|b| format!("{b:02x}")).collect::<String>();
+    [&u[..4], &u[4..6], &u[6..8], &u[8..10], &u[10..]].map(hex).join("-")
 }
 
 /// The features that tessellation needs and the device has not.

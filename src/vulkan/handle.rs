@@ -72,6 +72,11 @@ impl Handle {
     pub(crate) fn taken(self) {
         let _ = self.0.into_raw_fd();
     }
+
+    /// As CUDA wants it.
+    pub(crate) fn raw(&self) -> std::ffi::c_int {
+        self.0.as_raw_fd()
+    }
 }
 
 #[cfg(windows)]
@@ -107,4 +112,9 @@ impl Handle {
 
     /// An import went well; handles of Windows stay ours and are closed.
     pub(crate) fn taken(self) {}
+
+    /// As CUDA wants it.
+    pub(crate) fn raw(&self) -> *mut std::ffi::c_void {
+        self.0.as_raw_handle()
+    }
 }

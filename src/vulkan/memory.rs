@@ -47,7 +47,8 @@ pub(super) struct Buffer {
     bytes: u64,
 }
 
-// SAFETY: the pointer is the buffer's own mapping, which no other thread knows; it is written through `&mut self` alone.
+// SAFETY: the pointer is the buffer's own mapping, written through `&mut self` alone. Of shared memory others know it: they
+// keep order, as `SharedBuffer::mapped` says.
 unsafe impl Send for Buffer {}
 // SAFETY: as above; `&self` only reads it.
 unsafe impl Sync for Buffer {}

@@ -48,12 +48,13 @@ mod tessellation_pipelines;
 pub mod threshold;
 mod trims;
 
+pub(crate) use device::uuid_text;
 pub use device::{Device, Found, devices};
 pub use evaluated::Evaluated;
 pub use handle::Handle;
 pub use instance::{Instance, Validation};
-pub use rasterize::{Drawn, Input, Rasterizer};
 pub(crate) use jobs::{BINS, Jobs, Wanted};
+pub use rasterize::{Drawn, Input, Rasterizer};
 pub(crate) use rasterize_shared::SharedInput;
 pub use shared::{Order, SharedBuffer, SharedSemaphore, Transfers};
 pub use sharing::Semaphores;
@@ -91,6 +92,8 @@ pub enum VulkanError {
     Call { what: &'static str, code: vk::Result },
     #[error("{device} can't share {what} with other APIs")]
     Unshared { what: &'static str, device: String },
+    #[error("Vulkan has not signalled {value} to those who wait for it")]
+    NotSignalled { value: u64 },
     #[error("a handle that was to be {what} names something else")]
     WrongHandle { what: &'static str },
     #[error("images of {width} x {height} pixels are more than the {limit} a side that {device} can draw")]

@@ -10,22 +10,23 @@ use std::time::Duration;
 
 const TIMELINES: &str = "timeline semaphores";
 
-/// A buffer in exportable memory of its own.
+/// A buffer in exportable memory of its own, which lives as long as one of its clones.
+#[derive(Clone)]
 pub struct SharedBuffer {
-    pub(super) buffer: Buffer,
+    pub(super) buffer: Arc<Buffer>,
 }
 
 impl SharedBuffer {
     /// A buffer of at least so many bytes, which hold anything.
     pub fn new(device: &Arc<Device>, bytes: u64) -> Result<Self, VulkanError> {
         device.can_share(device.sharing.memory, "memory")?;
-        Ok(Self { buffer: Buffer::new(device, bytes, Use::Shared)? })
+        Ok(Self { buffer: Buffer::new(device, bytes, Use::Shared)?.into() })
     }
 
     /// What another device has exported; `bytes` and `allocation` are those of the buffer there.
     pub fn import(device: &Arc<Device>, handle: Handle, bytes: u64, allocation: u64) -> Result<Self, VulkanError> {
         device.can_share(device.sharing.memory, "memory")?;
-        Ok(Self { buffer: Buffer::import(device, handle, bytes, allocation)? })
+        Ok(Self { buffer: Buffer::import(device, handle, bytes, allocation)?.into() })
     }
 
     /// For one import of the memory, which lives until all who imported it have let it go.

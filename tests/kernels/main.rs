@@ -8,6 +8,8 @@ fn skipped() {
 }
 
 #[cfg(host_kernels)]
+mod adopted;
+#[cfg(host_kernels)]
 mod atomics;
 #[cfg(host_kernels)]
 mod block;

@@ -4,6 +4,7 @@ use crate::{assert_silent, rasterizer};
 use halfpixel::import;
 use halfpixel::scene::{Scene, ViewSpec, prepare};
 use halfpixel::stages::{Bound, Engine, Fill, Frame, Options, Raster, Renderer, Trim};
+use halfpixel::vulkan::{Device, Rasterizer, Validation};
 use std::path::PathBuf;
 
 fn scene(name: &str) -> Scene {
@@ -41,10 +42,18 @@ fn agree(names: &[&str], views: &[ViewSpec], all: &[Options]) {
     assert_silent(&kept.expect("it is handed on"));
 }
 
-/// Frames of the kernels, with what mesh shaders draw of them.
+/// Frames of the kernels, with what mesh shaders draw of them in the same memory, or of copies.
 #[test]
 fn kernels_and_mesh_shaders_share_frames() {
-    let Some(mut rasterizer) = rasterizer() else { return };
+    let Some(rasterizer) = rasterizer() else { return };
+    let shares = rasterizer.device().shares_memory();
+    assert!(shares || std::env::var_os("HALFPIXEL_NEEDS_VULKAN").is_none(), "lavapipe shares memory");
+    drawn_together(rasterizer, !shares);
+    let unshared = Device::unshared(Validation::On, None).and_then(Rasterizer::new).expect("it was there before");
+    drawn_together(unshared, true);
+}
+
+fn drawn_together(mut rasterizer: Rasterizer, copied: bool) {
     if let Some(why) = halfpixel::emulated::missing() {
         return eprintln!("skipped: {why}");
     }
@@ -67,6 +76,8 @@ fn kernels_and_mesh_shaders_share_frames() {
                 let options = Options { raster, large, ..*options };
                 let frame = renderer.render(&camera, &options).expect("a frame");
                 assert_eq!(differences(&software, &frame), 0, "{name}, {options:?}");
+                let drawn = frame.stats.triangles_hardware > 0;
+                assert_eq!(frame.stats.bytes_copied > 0, copied && drawn, "{name}, {options:?}");
                 // The routes are the CPU's.
                 let triangles = {
                     let rasterizer = renderer.take_rasterizer().expect("it draws");

@@ -1,6 +1,8 @@
 //! Memory and semaphores between two devices, each of an instance of its own: what is shared with CUDA in the same way.
 
 use crate::skip;
+use halfpixel::cuda::{self, Gpu, Stream};
+use halfpixel::emulated;
 use halfpixel::vulkan::{
     Device, Handle, Order, Semaphores, SharedBuffer, SharedSemaphore, Transfers, Validation, VulkanError,
 };
@@ -53,7 +55,7 @@ fn assert_all(on: &mut Transfers, buffer: &SharedBuffer, word: u32) {
 }
 
 #[test]
-fn sharing_two_devices_see_the_same_memory() {
+fn two_devices_see_the_same_memory() {
     let Some((_alone, [a, b])) = devices() else { return };
     for bytes in [0, 4, 4096, 1_000_000] {
         let theirs = SharedBuffer::new(&a, bytes).expect("a buffer");
@@ -81,7 +83,7 @@ fn sharing_two_devices_see_the_same_memory() {
 }
 
 #[test]
-fn sharing_semaphores_order_two_devices() {
+fn semaphores_order_two_devices() {
     let Some((_alone, [a, b])) = devices() else { return };
     let kind = a.shares_semaphores().min(b.shares_semaphores());
     if kind == Semaphores::None {
@@ -116,7 +118,7 @@ fn sharing_semaphores_order_two_devices() {
 }
 
 #[test]
-fn sharing_the_host_and_a_device_keep_order_by_a_timeline() {
+fn the_host_and_a_device_keep_order_by_a_timeline() {
     let Some((_alone, [a, _b])) = devices() else { return };
     let timeline = SharedSemaphore::local(&a).expect("a timeline");
     let buffer = SharedBuffer::new(&a, 64).expect("a buffer");
@@ -141,7 +143,7 @@ fn sharing_the_host_and_a_device_keep_order_by_a_timeline() {
 }
 
 #[test]
-fn sharing_refuses_handles_of_other_things() {
+fn refuses_handles_of_other_things() {
     let Some((_alone, [a, _b])) = devices() else { return };
     let wrong = || {
         let file = File::open("/dev/null").expect("a file");
@@ -166,7 +168,7 @@ fn sharing_refuses_handles_of_other_things() {
 }
 
 #[test]
-fn sharing_can_be_off() {
+fn can_be_off() {
     let Some((_alone, [a, _b])) = devices() else { return };
     let unshared = Device::unshared(Validation::On, None).expect("it is there with sharing");
     assert!(!unshared.shares_memory());
@@ -185,7 +187,7 @@ fn sharing_can_be_off() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn sharing_closes_all_handles() {
+fn closes_all_handles() {
     let Some((_alone, [a, b])) = devices() else { return };
     let open = || std::fs::read_dir("/proc/self/fd").expect("a list").count();
     let round = || {
@@ -206,4 +208,70 @@ fn sharing_closes_all_handles() {
     });
     assert!(closed, "{} open files, {before} before", open());
     assert_silent(&[a, b]);
+}
+
+/// What CUDA and Vulkan do to one buffer, in the order that a pair of semaphores gives: by kernels first, by Vulkan first.
+fn take_turns<G: Gpu>(gpu: &mut G, device: &Arc<Device>, semaphores: Option<[Arc<SharedSemaphore>; 2]>) {
+    let memory = SharedBuffer::new(device, 1 << 16).expect("a buffer");
+    let mut vulkan = Transfers::new(device).expect("commands");
+    let buffer = gpu.adopt(&memory).expect("the same memory");
+    assert_eq!(buffer.len() as u64, memory.bytes());
+    for value in 1..10 {
+        vulkan.fill(&memory, u32::MAX, &Order::default()).expect("a fill");
+        gpu.clear(&buffer).expect("it is there");
+        let [mut first, mut last] = [Order::default(); 2];
+        match &semaphores {
+            Some([theirs, ours]) => {
+                gpu.signal(theirs, value).expect("a signal");
+                first.wait = Some((theirs, value));
+                last.signal = Some((ours, value));
+            }
+            None => gpu.finish().expect("the end"),
+        }
+        assert!(vulkan.read(&memory, &first).expect("bytes").iter().all(|&byte| byte == 0));
+        let word = 0x0101_0101 * value as u32;
+        vulkan.fill(&memory, word, &last).expect("a fill");
+        if let Some([_, ours]) = &semaphores {
+            gpu.wait(ours, value).expect("signalled");
+        }
+        assert!(gpu.download(&buffer).expect("bytes").iter().all(|&byte| u64::from(byte) == value));
+    }
+    gpu.free(buffer).expect("it is there");
+    gpu.download(&buffer).expect_err("it is gone");
+    assert_all(&mut vulkan, &memory, 0x0909_0909);
+}
+
+#[test]
+fn emulated_kernels_take_turns_with_vulkan() {
+    let Some((_alone, [a, _b])) = devices() else { return };
+    if a.found.kind != "cpu" {
+        return eprintln!("skipped: {} is no CPU", a.found.name);
+    }
+    let timeline = || Arc::new(SharedSemaphore::local(&a).expect("a timeline"));
+    for semaphores in [None, Some([timeline(), timeline()])] {
+        take_turns(&mut emulated::Device::default(), &a, semaphores);
+    }
+    assert_silent(&[a]);
+}
+
+#[test]
+fn cuda_takes_turns_with_vulkan() {
+    let missing = cuda::missing();
+    if !missing.is_empty() {
+        return eprintln!("skipped: {missing:?}");
+    }
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut stream = Stream::new(0).expect("a stream");
+    let device = match Device::new(Validation::On, stream.vulkan_uuid()) {
+        Ok(device) if device.shares_memory() => device,
+        other => return eprintln!("skipped: {} with Vulkan: {other:?}", stream.name()),
+    };
+    let kind = stream.semaphores().min(device.shares_semaphores());
+    let semaphore = || Arc::new(SharedSemaphore::new(&device, kind).expect("a semaphore"));
+    take_turns(&mut stream, &device, None);
+    if kind > Semaphores::None {
+        take_turns(&mut stream, &device, Some([semaphore(), semaphore()]));
+    }
+    drop(stream);
+    assert_silent(&[device]);
 }
