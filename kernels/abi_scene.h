@@ -96,6 +96,7 @@ enum GridRule : uint32_t {
     GRID_ADAPTIVE = 0,
     GRID_VARIABLE = 1,
     GRID_ETER = 2,
+    GRID_ETER16 = 3,
 };
 
 /// `Cull` in src/stages/options.rs.

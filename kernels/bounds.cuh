@@ -72,6 +72,9 @@ struct Constraints {
     }
 };
 
+// Pixels a side of the boxes that small triangles fit.
+constexpr double SMALL_TRIANGLE = 16.0;
+
 // What a bound looks at.
 struct Subject {
     const View &view;
@@ -225,11 +228,15 @@ static __device__ Seconds second_differences(const Team<LANES> &team, int m, int
     return {team.most(most.uu) * u * (u - 1.0), team.most(most.uv) * u * v, team.most(most.vv) * v * (v - 1.0)};
 }
 
-// M1, in terms of the share of `epsilon` that is used up; points are within `drawn_in` of where their net allows.
-template <int LANES, class Take>
-static __device__ void eter_within(const Team<LANES> &team, const Subject &s, double epsilon, double drawn_in, Take take) {
-    const double stretch = axis_scale(s.map);
-    epsilon = epsilon / stretch, drawn_in = drawn_in / stretch;
+// A ball about a net.
+struct Ball {
+    Vec3 origin;
+    double radius;
+    // The least weight of its points.
+    double weight;
+};
+
+template <int LANES> static __device__ Ball ball(const Team<LANES> &team, const Subject &s) {
     Extremes x, y, z, w;
     for (int k = team.lane; k < s.net.count(); k += LANES) {
         const Vec3 p = s.net.place(k);
@@ -241,15 +248,50 @@ static __device__ void eter_within(const Team<LANES> &team, const Subject &s, do
     for (int k = team.lane; k < s.net.count(); k += LANES) {
         radius = max(radius, length(s.net.place(k) - origin));
     }
-    radius = team.most(radius);
-    if (drawn_in >= 2.0 * radius) {
+    return {origin, team.most(radius), w.low};
+}
+
+// The fewest quads whose triangles fit boxes of 16 x 16 pixels: ETER's equation (2).
+template <int LANES> static __device__ void small_triangles(const Team<LANES> &team, const Subject &s, double (&quads)[2]) {
+    const Subject large = {s.view, s.map, s.net, s.place, SMALL_TRIANGLE, s.depth_tolerance};
+    const double epsilon = object_epsilon(team, large) / axis_scale(s.map);
+    const Ball all = ball(team, s);
+    quads[0] = quads[1] = 1.0;
+    if (epsilon >= 2.0 * all.radius) {
         return;
     }
-    const double reach = max(radius - drawn_in, 0.0);
+    const double reach = max(all.radius - epsilon, 0.0);
+    const auto size = [&](Vec4 d) { return length(truncated(d) - all.origin * d.w) + reach * fabs(d.w); };
+    const int m = s.net.degree_u, n = s.net.degree_v;
+    double u = 0.0, v = 0.0;
+    for (int k = team.lane; k < (m + 1) * (n + 1); k += LANES) {
+        const int i = k / (n + 1), j = k % (n + 1);
+        if (i < m) {
+            u = max(u, size(s.net.at(i + 1, j) - s.net.at(i, j)));
+        }
+        if (j < n) {
+            v = max(v, size(s.net.at(i, j + 1) - s.net.at(i, j)));
+        }
+    }
+    const double unit = 2.0 / (epsilon * all.weight);
+    quads[0] = max(ceil(team.most(u) * double(m) * unit), 1.0);
+    quads[1] = max(ceil(team.most(v) * double(n) * unit), 1.0);
+}
+
+// M1, in terms of the share of `epsilon` that is used up; points are within `drawn_in` of where their net allows.
+template <int LANES, class Take>
+static __device__ void eter_within(const Team<LANES> &team, const Subject &s, double epsilon, double drawn_in, Take take) {
+    const double stretch = axis_scale(s.map);
+    epsilon = epsilon / stretch, drawn_in = drawn_in / stretch;
+    const Ball all = ball(team, s);
+    if (drawn_in >= 2.0 * all.radius) {
+        return;
+    }
+    const double reach = max(all.radius - drawn_in, 0.0);
     const Seconds most = second_differences(
         team, s.net.degree_u, s.net.degree_v, [&](int i, int j) { return s.net.at(i, j); },
-        [&](Vec4 d) { return length(truncated(d) - origin * d.w) + reach * fabs(d.w); });
-    const double unit = 1.0 / (8.0 * epsilon * w.low);
+        [&](Vec4 d) { return length(truncated(d) - all.origin * d.w) + reach * fabs(d.w); });
+    const double unit = 1.0 / (8.0 * epsilon * all.weight);
     const double b = 2.0 * most.uv * unit;
     take(Constraint{most.uu * unit, {b, b}, most.vv * unit});
 }

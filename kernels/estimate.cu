@@ -22,8 +22,8 @@ struct Subject {
 };
 
 // A thread a visible patch: its grid, or its number in `work`, if it is not to be drawn as a whole.
-static __device__ __forceinline__ void patches(const View &view, const Rules &rules, uint32_t bound, const scene::Scene &scene,
-                                               uint32_t instances, const Count &count, Buffer<Visible> visible,
+static __device__ __forceinline__ void patches(const View &view, const Rules &rules, uint32_t bound, bool small,
+                                               const scene::Scene &scene, uint32_t instances, const Count &count, Buffer<Visible> visible,
                                                Buffer<uint32_t> leaf_counts, Buffer<uint32_t> point_counts,
                                                Buffer<uint32_t> work, Buffer<Counters> counters) {
     SHARED(double, numbers, [bounds::NUMBERS * estimate::THREADS]);
@@ -40,7 +40,7 @@ static __device__ __forceinline__ void patches(const View &view, const Rules &ru
         cull::judge(team, view, rules, s.net, s.map, 0, place);
         estimate::Grid grid = {};
         const estimate::Outcome outcome =
-            estimate::grid_of(team, view, rules, bound, s.map, s.net, bounds::enclosure_of(s.source), place, 0,
+            estimate::grid_of(team, view, rules, bound, small, s.map, s.net, bounds::enclosure_of(s.source), place, 0,
                               numbers + threadIdx.x, estimate::THREADS, grid);
         const uint32_t points = uint32_t(s.net.count());
         whole = outcome == estimate::GRID
@@ -72,21 +72,22 @@ extern "C" __global__ void __launch_bounds__(1) estimate_begin(Buffer<Counters> 
 }
 KERNEL(estimate_begin)
 
-// BOUND: a `BoundRule` that the compiler knows, or that of the rules. BLOCKS: that a multiprocessor holds without spills.
-#define ESTIMATE(name, BOUND, BLOCKS)                                                                                  \
+// BOUND: a `BoundRule` that the compiler knows, or that of the rules; SMALL: whether triangles are kept small. BLOCKS: that a
+// multiprocessor holds without spills.
+#define ESTIMATE(name, BOUND, SMALL, BLOCKS)                                                                           \
     extern "C" __global__ void __launch_bounds__(estimate::THREADS, BLOCKS)                                            \
         name(const __grid_constant__ View view, const __grid_constant__ Rules rules,                                   \
              const __grid_constant__ scene::Scene scene, uint32_t instances, Count count, Buffer<Visible> visible,     \
              Buffer<uint32_t> leaf_counts, Buffer<uint32_t> point_counts, Buffer<uint32_t> work,                       \
              Buffer<Counters> counters) {                                                                              \
-        estimate::patches(view, rules, BOUND, scene, instances, count, visible, leaf_counts, point_counts, work,         \
+        estimate::patches(view, rules, BOUND, SMALL, scene, instances, count, visible, leaf_counts, point_counts, work,  \
                           counters);                                                                                   \
     }                                                                                                                  \
     KERNEL(name)
 
-ESTIMATE(estimate_patches, rules.bound, 4)
+ESTIMATE(estimate_patches, rules.bound, rules.grid == GRID_ETER16, 4)
 // The default bound: much less code.
-ESTIMATE(estimate_patches_screen, BOUND_SCREEN, 6)
+ESTIMATE(estimate_patches_screen, BOUND_SCREEN, false, 6)
 
 // A thread a visible patch that is drawn as a whole: its leaf, in its place among `all`.
 extern "C" __global__ void __launch_bounds__(128)

@@ -157,23 +157,25 @@ static __device__ __forceinline__ bool deviation(const Team<LANES> &team, uint32
 // The next larger number in f32, of one that is not negative.
 static __device__ __forceinline__ float next_up(double value) { return __uint_as_float(__float_as_uint(float(value)) + 1); }
 
+// Splits across what is worse along u and v.
+static __device__ __forceinline__ Outcome split_along(uint32_t depth, double u, double v) {
+    return depth >= MAX_DEPTH ? TOO_LARGE : v > u ? SPLIT_V : SPLIT_U;
+}
+
 static __device__ __forceinline__ Outcome too_large(const bounds::Constraints &constraints, uint32_t depth) {
-    if (depth >= MAX_DEPTH) {
-        return TOO_LARGE;
-    }
     double u = 0.0, v = 0.0;
     for (int k = 0; k < constraints.count; k++) {
         u = max(u, constraints.at(k).a);
         v = max(v, constraints.at(k).c);
     }
-    return v > u ? SPLIT_V : SPLIT_U;
+    return split_along(depth, u, v);
 }
 
-// The leaf's grid by a bound, or the axis to split where it would be too large. `numbers`: room for a list of constraints, `stride`
-// apart.
+// The leaf's grid by a bound, or the axis to split where it would be too large. `small`: no triangle may be larger
+// than 16 x 16 pixels. `numbers`: room for a list of constraints, `stride` apart.
 template <int LANES>
 static __device__ __forceinline__ Outcome grid_of(const Team<LANES> &team, const View &view, const Rules &rules,
-                                                  uint32_t bound, const lens::PatchMap &map, const lens::Net &net,
+                                                  uint32_t bound, bool small, const lens::PatchMap &map, const lens::Net &net,
                                                   const bounds::Enclosure &enclosure, const cull::Place &place,
                                                   uint32_t depth, Span<double> numbers, int stride, Grid &grid) {
     const double tolerance = view.tolerance - SNAPPING - place.evaluation[0];
@@ -192,12 +194,20 @@ static __device__ __forceinline__ Outcome grid_of(const Team<LANES> &team, const
     }
     grid.deviation[0] = float(view.tolerance);
     grid.deviation[1] = float(depth_tolerance + place.evaluation[1]);
-    if (rules.grid == GRID_ETER) {
+    if (small) {
+        double least[2];
+        bounds::small_triangles(team, subject, least);
+        if (!(max(least[0], least[1]) <= double(MAX_SIDE))) {
+            return split_along(depth, least[0], least[1]);
+        }
+        grid.quads[0] = max(grid.quads[0], uint32_t(least[0])), grid.quads[1] = max(grid.quads[1], uint32_t(least[1]));
+    }
+    if (rules.grid == GRID_ETER || rules.grid == GRID_ETER16) {
         grid.quads[0] = (grid.quads[0] + MESHLET - 1) / MESHLET * MESHLET;
         grid.quads[1] = (grid.quads[1] + MESHLET - 1) / MESHLET * MESHLET;
     }
     if (grid.all_quads() > MAX_QUADS) {
-        return too_large(constraints, depth);
+        return small ? split_along(depth, grid.quads[0], grid.quads[1]) : too_large(constraints, depth);
     }
     double pixels, off;
     if (deviation(team, bound, subject, enclosure, constraints, grid, pixels, off)) {

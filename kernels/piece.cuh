@@ -126,7 +126,9 @@ struct Piece {
             return cull::longer_axis(warp, view, net, map) ? SPLIT_V : SPLIT_U;
         }
         enclose();
-        switch (estimate::grid_of(warp, view, rules, rules.bound, map, net, enclosure, place, path.depth, numbers, 1, grid)) {
+        const bool small = rules.grid == GRID_ETER16;
+        switch (estimate::grid_of(warp, view, rules, rules.bound, small, map, net, enclosure, place, path.depth, numbers, 1,
+                                  grid)) {
         case estimate::GRID: return DRAWN;
         case estimate::SPLIT_U: return WIDE_U;
         case estimate::SPLIT_V: return WIDE_V;

@@ -231,6 +231,7 @@ const uint BOUND_SLEFE = 4u;
 const uint GRID_ADAPTIVE = 0u;
 const uint GRID_VARIABLE = 1u;
 const uint GRID_ETER = 2u;
+const uint GRID_ETER16 = 3u;
 const uint CULL_OFF = 0u;
 const uint CULL_AUTO = 1u;
 const uint CULL_ON = 2u;

@@ -722,6 +722,7 @@ pub mod GridRule {
     pub const GRID_ADAPTIVE: Type = 0;
     pub const GRID_VARIABLE: Type = 1;
     pub const GRID_ETER: Type = 2;
+    pub const GRID_ETER16: Type = 3;
 }
 pub mod CullRule {
     #[allow(unused_imports)]

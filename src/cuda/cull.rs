@@ -34,6 +34,7 @@ pub(crate) fn rules(lens: &Lens, options: &Options, selection: &Selection, whole
             Grid::Adaptive => abi::GridRule::GRID_ADAPTIVE,
             Grid::Variable => abi::GridRule::GRID_VARIABLE,
             Grid::Eter => abi::GridRule::GRID_ETER,
+            Grid::Eter16 => abi::GridRule::GRID_ETER16,
         },
         cull: match options.cull {
             Cull::Off => abi::CullRule::CULL_OFF,

@@ -195,7 +195,8 @@ fn grids<G: Gpu>(session: &mut Session<G>, seen: &Seen, visible: List<abi::Visib
     let counters = session.allocate::<abi::Counters>(1)?;
     session.launch("estimate_begin", Shape::row(1, 1), &[&counters.pointer()])?;
     if room > 0 {
-        let default = rules.bound == abi::BoundRule::BOUND_SCREEN;
+        let small = rules.grid == abi::GridRule::GRID_ETER16;
+        let default = rules.bound == abi::BoundRule::BOUND_SCREEN && !small;
         session.launch(
             if default { "estimate_patches_screen" } else { "estimate_patches" },
             Shape::of(room, THREADS),

@@ -131,7 +131,7 @@ where
     CT::From: Clone,
 {
     let mut outline = shape(bound);
-    if grid != Grid::Eter {
+    if !matches!(grid, Grid::Eter | Grid::Eter16) {
         area.draw(&(EmptyElement::at(at.clone()) + Polygon::new(outline.clone(), color(bound).filled())))?;
     }
     outline.push(outline[0]);

@@ -22,6 +22,9 @@ pub(super) struct Constraints {
     narrow: bool,
 }
 
+/// Pixels a side of the boxes that small triangles fit.
+const SMALL_TRIANGLE: f64 = 16.0;
+
 /// What a bound looks at.
 pub(super) struct Subject<'a> {
     pub leaf: &'a Leaf,
@@ -248,9 +251,7 @@ fn eter(subject: &Subject) -> Constraints {
 fn eter_within(subject: &Subject, epsilon: f64, drawn_in: f64) -> Constraints {
     let net = subject.net;
     let [epsilon, drawn_in] = [epsilon, drawn_in].map(|e| e / axis_scale(subject.map));
-    let (low, high) = net.hull().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
-    let origin = (low + high) * 0.5;
-    let radius = net.hull().map(|p| p.distance(origin)).fold(0.0, f64::max);
+    let (origin, radius) = ball(net);
     let mut out = Constraints::new();
     if drawn_in >= 2.0 * radius {
         return out;
@@ -258,10 +259,43 @@ fn eter_within(subject: &Subject, epsilon: f64, drawn_in: f64) -> Constraints {
     let reach = (radius - drawn_in).max(0.0);
     let size = |d: DVec4| (d.truncate() - origin * d.w).length() + reach * d.w.abs();
     let [uu, uv, vv] = second_differences(net, size);
-    let w_min = net.points().iter().map(|p| p.w).fold(f64::INFINITY, f64::min);
-    let unit = 1.0 / (8.0 * epsilon * w_min);
+    let unit = 1.0 / (8.0 * epsilon * least_weight(net));
     out.push_both([uu * unit, 2.0 * uv * unit, vv * unit]);
     out
+}
+
+/// ETER section 6.2, equation (2): the fewest quads, along u and v, whose triangles fit boxes of 16 x 16 pixels.
+pub(super) fn small_triangles(subject: &Subject) -> [f64; 2] {
+    let (net, [m, n]) = (subject.net, subject.net.degree());
+    let epsilon = Subject { tolerance: SMALL_TRIANGLE, ..*subject }.object_epsilon() / axis_scale(subject.map);
+    let (origin, radius) = ball(net);
+    if epsilon >= 2.0 * radius {
+        return [1.0; 2];
+    }
+    let reach = (radius - epsilon).max(0.0);
+    let size = |d: DVec4| (d.truncate() - origin * d.w).length() + reach * d.w.abs();
+    let mut largest = [0.0f64; 2];
+    for (i, j) in (0..=m).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+        if i < m {
+            largest[0] = largest[0].max(size(net.point(i + 1, j) - net.point(i, j)));
+        }
+        if j < n {
+            largest[1] = largest[1].max(size(net.point(i, j + 1) - net.point(i, j)));
+        }
+    }
+    let unit = 2.0 / (epsilon * least_weight(net));
+    [largest[0] * m as f64 * unit, largest[1] * n as f64 * unit].map(|quads| quads.ceil().max(1.0))
+}
+
+/// The middle of a hull's box, and how far its points are from there.
+fn ball(net: Net) -> (DVec3, f64) {
+    let (low, high) = net.hull().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+    let origin = (low + high) * 0.5;
+    (origin, net.hull().map(|p| p.distance(origin)).fold(0.0, f64::max))
+}
+
+fn least_weight(net: Net) -> f64 {
+    net.points().iter().map(|p| p.w).fold(f64::INFINITY, f64::min)
 }
 
 /// M4: second differences of the clip-space net, per axis; projective interpolation.

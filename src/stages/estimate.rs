@@ -1,6 +1,6 @@
 //! estimate: the grid of each leaf from its bound (DESIGN section 4; ETER's TFE).
 
-use super::bounds::{Constraints, Subject, constraints, deviation};
+use super::bounds::{Constraints, Subject, constraints, deviation, small_triangles};
 use super::cull::{Culler, Leaf, Leaves};
 use super::{Grid, RenderError};
 use glam::Vec4;
@@ -181,11 +181,21 @@ fn grid_of(culler: &Culler, leaf: &Leaf, projected: &[Vec4]) -> Result<Result<Te
         return too_large(culler, leaf, &constraints);
     };
     grid.deviation = [options.tolerance, subject.depth_tolerance + depth_rounding].map(|d| d as f32);
-    if options.grid == Grid::Eter {
+    if options.grid == Grid::Eter16 {
+        let least = small_triangles(&subject);
+        if !(least[0].max(least[1]) <= f64::from(MAX_SIDE)) {
+            return split_along(culler, leaf, least);
+        }
+        grid.quads = [0, 1].map(|k| grid.quads[k].max(least[k] as u32));
+    }
+    if matches!(options.grid, Grid::Eter | Grid::Eter16) {
         grid.quads = grid.quads.map(|n| n.next_multiple_of(MESHLET));
     }
     if grid.all_quads() > MAX_QUADS {
-        return too_large(culler, leaf, &constraints);
+        return match options.grid {
+            Grid::Eter16 => split_along(culler, leaf, grid.quads.map(f64::from)),
+            _ => too_large(culler, leaf, &constraints),
+        };
     }
     if let Some([pixels, depth]) = deviation(options.bound, &subject, &constraints, &grid) {
         let least = |real: f64, allowed: f64| if real < allowed { real } else { allowed };
@@ -201,13 +211,18 @@ fn too_large(
     leaf: &Leaf,
     constraints: &Constraints,
 ) -> Result<Result<Tessellation, usize>, RenderError> {
+    let worst = |k: usize| constraints.of(0).iter().map(|c| c[k]).fold(0.0, f64::max);
+    split_along(culler, leaf, [worst(0), worst(2)])
+}
+
+/// Where a leaf is to be split: across what is worse along u and v.
+fn split_along(culler: &Culler, leaf: &Leaf, worst: [f64; 2]) -> Result<Result<Tessellation, usize>, RenderError> {
     if leaf.depth >= MAX_DEPTH {
         let face = culler.scene.patches[leaf.patch as usize].face;
         let id = culler.scene.faces[face as usize].id;
         return Err(RenderError::GridTooLarge { face: id, patch: leaf.patch, limit: MAX_QUADS });
     }
-    let worst = |k: usize| constraints.of(0).iter().map(|c| c[k]).fold(0.0, f64::max);
-    Ok(Err(usize::from(worst(2) > worst(0))))
+    Ok(Err(usize::from(worst[1] > worst[0])))
 }
 
 /// The fewest quads that satisfy all constraints of one diagonal; `None` above `MAX_SIDE`.

@@ -41,6 +41,8 @@ pub enum Grid {
     Variable,
     /// ETER section 4.2: scaled up to whole 7x7-quad meshlets.
     Eter,
+    /// The same, with so many quads that no triangle is larger than 16x16 pixels (section 6.2, equation 2).
+    Eter16,
 }
 
 /// How cracks between grids are closed.

@@ -4,7 +4,7 @@ use super::support::*;
 use glam::DVec3;
 use halfpixel::geometry::BezierPatch;
 use halfpixel::scene::{Scene, ViewSpec};
-use halfpixel::stages::{Bound, Fill, Options};
+use halfpixel::stages::{Bound, Fill, Grid, Options, Renderer};
 use rayon::prelude::*;
 
 const PATCHES: u64 = 1500;
@@ -119,4 +119,41 @@ fn parameters_of_steep_weights_stay_exact_enough() {
         let [drawn, wrong] = count(&scene, ViewSpec { size: [640, 480], ..ViewSpec::default() }, bound);
         assert!(drawn > 10_000 && wrong == 0, "{bound:?}: {wrong} of {drawn}");
     }
+}
+
+/// ETER's equation (2): triangles of `Grid::Eter16` fit 16 x 16 pixels, whatever the weights and the view; some come near that.
+#[test]
+fn small_triangles_fit_their_boxes() {
+    let largest = (0..300u64).into_par_iter().map(|seed| {
+        let mut random = Random(seed);
+        let scene = single(patch(&mut random, if seed % 2 == 0 { 1.0 } else { 10.0 }));
+        let camera = camera(&scene, view(&mut random));
+        // A tolerance that asks for next to nothing by itself.
+        let options = Options {
+            bound: Bound::Eter,
+            grid: Grid::Eter16,
+            tolerance: 1e3,
+            depth_tolerance: 1e6,
+            ..Options::default()
+        };
+        let (staged, vertices) = Renderer::new(&scene).staged(&camera, &options).expect("grids");
+        let sides = staged.meshlets.iter().flat_map(|m| {
+            let across = usize::from(m.quads[1]) + 1;
+            let at = move |i: usize, j: usize| m.vertices as usize + i * across + j;
+            let quads = (0..usize::from(m.quads[0])).flat_map(move |i| (0..across - 1).map(move |j| (i, j)));
+            quads.map(move |(i, j)| [at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)])
+        });
+        let side = sides.map(|quad| {
+            let all = quad.map(|k| [vertices[k].x, vertices[k].y]);
+            let span = |axis: usize| {
+                let places = all.map(|p| p[axis]);
+                places.iter().max().expect("four") - places.iter().min().expect("four")
+            };
+            f64::from(span(0).max(span(1))) / 256.0
+        });
+        side.fold(0.0, f64::max)
+    });
+    let largest = largest.reduce(|| 0.0, f64::max);
+    println!("the largest triangle is {largest} pixels wide");
+    assert!((4.0..=16.0 + 2.0 / 256.0).contains(&largest), "{largest}");
 }

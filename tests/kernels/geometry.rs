@@ -267,7 +267,7 @@ fn every_bound_and_grid_is_the_cpus() {
     for name in MODELS {
         let scene = scene(name);
         for bound in Bound::ALL {
-            for (grid, cull) in [(Grid::Variable, Cull::Off), (Grid::Eter, Cull::On)] {
+            for (grid, cull) in [(Grid::Variable, Cull::Off), (Grid::Eter, Cull::On), (Grid::Eter16, Cull::Auto)] {
                 let polynomial = scene.patches.iter().all(|p| !p.rational && p.degree[0].max(p.degree[1]) <= 7);
                 if bound == Bound::Slefe && !polynomial {
                     continue;
