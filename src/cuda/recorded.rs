@@ -11,6 +11,8 @@ use std::time::Instant;
 pub(crate) enum Event {
     Open(&'static str),
     Launch(String),
+    /// Bytes that were uploaded or downloaded.
+    Transfer(usize),
     Close,
     Record,
     Run,
@@ -89,11 +91,13 @@ impl Gpu for Recorded {
 
     fn upload<T: Pod>(&mut self, data: &[T]) -> Result<Buffer<T>, GpuError> {
         self.waits("upload");
+        self.events.push(Event::Transfer(size_of_val(data)));
         Gpu::upload(&mut self.device, data).map(|b| self.own(b))
     }
 
     fn download<T: Pod>(&mut self, buffer: &Buffer<T>) -> Result<Vec<T>, GpuError> {
         self.waits("download");
+        self.events.push(Event::Transfer(buffer.len() * size_of::<T>()));
         Gpu::download(&mut self.device, buffer)
     }
 

@@ -265,7 +265,7 @@ mod tests {
             match event {
                 Event::Open(name) => open.push(*name),
                 Event::Launch(kernel) => paths.push((open.clone(), kernel.as_str())),
-                Event::Record | Event::Run => {}
+                Event::Record | Event::Run | Event::Transfer(_) => {}
                 Event::Broken(what) => panic!("{what} in a recording: {events:?}"),
                 Event::Close => assert!(open.pop().is_some(), "more ends than beginnings: {events:?}"),
             }
