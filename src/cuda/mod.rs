@@ -17,6 +17,7 @@
 //! | `gpu.rs` | memory and launches: what a frame needs of a device |
 //! | `graph.rs` | a frame's launches as one CUDA graph |
 //! | `leaves.rs` | what the stages that draw a patch know of it |
+//! | `measured.rs` | what evaluation takes on a GPU as it was measured there |
 //! | `meshlets.rs` | the list of meshlets |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
 //! | `precision.rs` | the arithmetics of evaluation, and a bound of each one's error |
@@ -60,6 +61,7 @@ mod gpu;
 #[allow(unsafe_code)]
 mod graph;
 pub(crate) mod leaves;
+pub mod measured;
 pub(crate) mod meshlets;
 mod module;
 pub mod precision;
