@@ -37,6 +37,7 @@
 // Only `cuda` and `emulated` have some, where they call foreign code; each block says why it is sound.
 #![deny(unsafe_code)]
 
+mod cache;
 pub mod commands;
 pub mod cuda;
 pub mod emulated;

@@ -19,6 +19,7 @@
 //! | `graph.rs` | a frame's launches as one CUDA graph |
 //! | `hardware.rs` | what mesh shaders draw of a frame |
 //! | `leaves.rs` | what the stages that draw a patch know of it |
+//! | `measured.rs` | what evaluation takes on a GPU as it was measured there |
 //! | `meshlets.rs` | the list of meshlets |
 //! | `module.rs` | the kernels that build.rs embedded, loaded on a device |
 //! | `precision.rs` | the arithmetics of evaluation, and a bound of each one's error |
@@ -67,6 +68,7 @@ mod gpu;
 mod graph;
 pub(crate) mod hardware;
 pub(crate) mod leaves;
+pub mod measured;
 pub(crate) mod meshlets;
 mod module;
 pub mod precision;

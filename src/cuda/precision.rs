@@ -44,7 +44,7 @@
 //! in. Numbers above 2^100 and below 2^-100 are not. Twin of kernels/precision.cuh: the same numbers, bit for bit.
 
 use super::abi;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Half an ulp of 1 in f32.
@@ -55,7 +55,7 @@ const P: f64 = 1.0 / (1 << 11) as f64;
 pub const LARGEST_TENSOR_DEGREE: u8 = 7;
 
 /// The arithmetic of one kernel; numbered as in kernels/abi.h.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Arithmetic {
     #[default]

@@ -28,7 +28,7 @@ pub enum Precision {
     Tf32Recovered,
 }
 
-/// Clocks of a multiprocessor that a meshlet takes.
+/// What evaluating a meshlet takes: clocks of a multiprocessor, or nanoseconds of a device. Only their order counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Clocks {
     /// The compute capability: 86 is 8.6.
@@ -42,7 +42,7 @@ pub struct Clocks {
 }
 
 impl Clocks {
-    /// Of a device, or of the newest one before it.
+    /// As computed for a device, or for the newest one before it.
     pub fn of([major, minor]: [i32; 2]) -> &'static Self {
         let target = major.unsigned_abs() * 10 + minor.unsigned_abs();
         CLOCKS.iter().rev().find(|c| c.target <= target).unwrap_or(&CLOCKS[0])
@@ -72,7 +72,7 @@ const LARGE_BLOCK: u32 = 32;
 #[derive(Clone, Copy, Debug)]
 pub struct Selection {
     pub precision: Precision,
-    pub clocks: &'static Clocks,
+    pub clocks: Clocks,
     /// Only grids that are cut into large blocks are for tensor cores: the fused frame evaluates smaller ones where they are
     /// drawn.
     pub large_blocks: bool,
@@ -105,7 +105,7 @@ impl Precision {
 
 impl Selection {
     /// The CPU's.
-    pub const SINGLE: &Self = &Self { precision: Precision::F32, clocks: &CLOCKS[0], large_blocks: false };
+    pub const SINGLE: &Self = &Self { precision: Precision::F32, clocks: CLOCKS[0], large_blocks: false };
 
     /// The arithmetic of a patch; None: the one asked for takes too much of the tolerances, unless the patch is halved. f32
     /// takes whatever nothing cheaper fits.
@@ -166,7 +166,9 @@ impl Bound {
 
 #[cfg(test)]
 mod tests {
+    use super::super::measured::Times;
     use super::*;
+    use std::collections::BTreeMap;
 
     const A100: [i32; 2] = [8, 0];
     const H100: [i32; 2] = [9, 0];
@@ -180,7 +182,7 @@ mod tests {
     }
 
     fn selection(precision: Precision, device: [i32; 2]) -> Selection {
-        Selection { precision, clocks: Clocks::of(device), large_blocks: false }
+        Selection { precision, clocks: *Clocks::of(device), large_blocks: false }
     }
 
     fn auto(device: [i32; 2], hull: &Hull) -> Arithmetic {
@@ -202,7 +204,7 @@ mod tests {
 
     #[test]
     fn what_is_chosen_fits_and_nothing_cheaper_does() {
-        for clocks in &CLOCKS {
+        for clocks in CLOCKS {
             let selection = Selection { precision: Precision::Auto, clocks, large_blocks: false };
             for (degree, reach) in (1..=7).flat_map(|d| [0.5, 1.7, 30.0, 700.0, 5e4].map(|reach| (d, reach))) {
                 let hull = hull(degree, reach);
@@ -215,6 +217,29 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn what_was_measured_changes_the_choice() {
+        let computed = Clocks::of(H100);
+        let times = |f32: f64, tf32_recovered: f64| {
+            let one = |time: f64| BTreeMap::from([(3, time), (7, time)]);
+            let time = |a| match a {
+                Arithmetic::F32 => f32,
+                Arithmetic::Tf32Recovered => tf32_recovered,
+                _ => 5.0,
+            };
+            Arithmetic::ALL.into_iter().map(|a| (a, one(time(a)))).collect::<Times>()
+        };
+        let chosen = |clocks: Clocks| {
+            let selection = Selection { clocks, ..selection(Precision::Auto, H100) };
+            selection.choose(&view(), &hull(7, 30.0)).map(|c| c.arithmetic)
+        };
+        let measured = |f32, tf32_recovered| chosen(computed.measured(&times(f32, tf32_recovered)).expect("complete"));
+        assert_eq!(chosen(*computed), Some(Arithmetic::F16Recovered));
+        assert_eq!(measured(4.0, 4.5), Some(Arithmetic::F32));
+        assert_eq!(measured(6.0, 4.5), Some(Arithmetic::Tf32Recovered));
+        assert_eq!(measured(6.0, 7.0), Some(Arithmetic::F16Recovered));
     }
 
     #[test]

@@ -13,9 +13,10 @@ use crate::cuda::evaluate::{memory, view};
 use crate::cuda::frame::Input;
 use crate::cuda::hardware::Hardware;
 use crate::cuda::scene::SceneOnDevice;
+use crate::cuda::selection::Clocks;
 use crate::cuda::session::Session;
 use crate::cuda::shared::Shared;
-use crate::cuda::{self, Buffer, Gpu, GpuError, frame};
+use crate::cuda::{self, Buffer, Gpu, GpuError, frame, measured};
 use crate::emulated::{self, TensorCores};
 use crate::scene::Camera;
 use crate::vulkan::Rasterizer;
@@ -50,6 +51,13 @@ impl Engine {
             Engine::Emulated(device) => device.schedule.tensor_cores.compute_capability(),
             Engine::Cuda(stream) => stream.compute_capability(),
         }
+    }
+
+    /// What evaluation takes: as it was measured on this GPU, else as computed. Kernels on the CPU never ask what was measured.
+    pub(crate) fn clocks(&self) -> Clocks {
+        let computed = Clocks::of(self.compute_capability());
+        let measured = self.gpu().and_then(|device| measured::stored(&device));
+        measured.and_then(|times| computed.measured(&times)).unwrap_or(*computed)
     }
 
     /// The GPU and its driver; `None` on the CPU.

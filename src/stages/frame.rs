@@ -92,7 +92,7 @@ pub struct Renderer<'a> {
     pub(super) engine: Engine,
     /// What the engine's device has of the scene.
     pub(super) resident: Option<SceneOnDevice>,
-    clocks: &'static Clocks,
+    clocks: Clocks,
     pub(super) kept: Option<Kept>,
     tables: BasisTables,
     spare_targets: Option<Targets>,
@@ -118,7 +118,7 @@ impl<'a> Renderer<'a> {
     }
 
     pub fn with(scene: &'a Scene, engine: Engine) -> Self {
-        let clocks = Clocks::of(engine.compute_capability());
+        let clocks = engine.clocks();
         Self {
             scene,
             engine,
