@@ -158,9 +158,9 @@ struct alignas(16) Meshlet {
     uint8_t tested;
 };
 /// A trim curve crosses it.
-static const uint8_t MESHLET_TESTED = 1;
+static const uint32_t MESHLET_TESTED = 1;
 /// Mesh shaders draw it.
-static const uint8_t MESHLET_ELSEWHERE = 2;
+static const uint32_t MESHLET_ELSEWHERE = 2;
 
 /// A projected vertex, snapped.
 struct alignas(16) Vertex {

@@ -99,8 +99,8 @@ struct Meshlet {
     uint8_t tested;
 };
 
-const uint8_t MESHLET_TESTED = 1;
-const uint8_t MESHLET_ELSEWHERE = 2;
+const uint MESHLET_TESTED = 1u;
+const uint MESHLET_ELSEWHERE = 2u;
 
 struct Vertex {
     int x;

@@ -299,9 +299,9 @@ const _: () = {
     ][::core::mem::offset_of!(Meshlet, tested) - 15usize];
 };
 /// A trim curve crosses it.
-pub const MESHLET_TESTED: u8 = 1;
+pub const MESHLET_TESTED: u32 = 1;
 /// Mesh shaders draw it.
-pub const MESHLET_ELSEWHERE: u8 = 2;
+pub const MESHLET_ELSEWHERE: u32 = 2;
 /// A projected vertex, snapped.
 #[repr(C)]
 #[repr(align(16))]

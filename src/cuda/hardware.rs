@@ -119,9 +119,9 @@ impl<G: Gpu> Stages<'_, '_, G> {
         let leaves = self.session.download(&self.geometry.leaves)?;
         let mut meshlets = self.session.download(&self.geometry.meshlets.buffer)?;
         let vertices = self.session.download(&vertices)?;
-        let marked = |m: &abi::Meshlet| m.tested & abi::MESHLET_ELSEWHERE != 0;
+        let marked = |m: &abi::Meshlet| u32::from(m.tested) & abi::MESHLET_ELSEWHERE != 0;
         let numbers: Vec<u32> = (0u32..).zip(&meshlets).filter(|(_, m)| marked(m)).map(|(k, _)| k).collect();
-        meshlets.iter_mut().for_each(|m| m.tested &= abi::MESHLET_TESTED);
+        meshlets.iter_mut().for_each(|m| m.tested &= abi::MESHLET_TESTED as u8);
         let drawn = hardware.rasterizer.draw(&vulkan::Input {
             size: self.geometry.view.size,
             fill: hardware.fill,

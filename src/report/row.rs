@@ -96,6 +96,9 @@ pub struct Counts {
     /// Those of them that Vulkan's mesh shaders were given.
     #[serde(default)]
     pub triangles_hardware: u64,
+    /// Copied between what draws the frame and Vulkan's device.
+    #[serde(default)]
+    pub bytes_copied: u64,
     pub filled: u64,
     pub drawn: u64,
     pub buffer_bytes: u64,
@@ -200,6 +203,7 @@ impl From<&Stats> for Counts {
             quads: s.quads,
             triangles: s.triangles,
             triangles_hardware: s.triangles_hardware,
+            bytes_copied: s.bytes_copied,
             filled: s.filled,
             drawn: s.drawn,
             buffer_bytes: s.buffer_bytes,

@@ -161,6 +161,7 @@ fn count_columns(c: &mut Vec<Column>) {
     count("quads", |m| m.counts.quads);
     count("triangles", |m| m.counts.triangles);
     count("triangles_hardware", |m| m.counts.triangles_hardware);
+    count("bytes_copied", |m| m.counts.bytes_copied);
     count("filled", |m| m.counts.filled);
     count("drawn", |m| m.counts.drawn);
     count("buffer_bytes", |m| m.counts.buffer_bytes);

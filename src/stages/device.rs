@@ -7,7 +7,7 @@ use super::frame::{Frame, Geometry, Renderer, Surface, Targets};
 use super::lens::Lens;
 use super::shade::{Shader, repaint};
 use super::stats::{Clock, Stats};
-use super::{FrameShape, Options, Precision, Raster, Show, Trim, TrimCounts};
+use super::{FrameShape, Options, Precision, Show, Trim, TrimCounts};
 use crate::cuda::count::Plan;
 use crate::cuda::evaluate::{memory, view};
 use crate::cuda::frame::Input;
@@ -153,7 +153,7 @@ impl Renderer<'_> {
         let trims = scene.trimmed && options.trim == Trim::On;
         let trims = trims.then(|| self.trim_lists());
         let mut rasterizer = self.take_hardware(gpu.vulkan_uuid())?;
-        let large = if options.raster == Raster::Hybrid { options.large.unwrap_or(rasterizer.large()) } else { 0.0 };
+        let large = self.large(options, rasterizer.device());
         let mut hardware = Hardware {
             rasterizer: &mut rasterizer,
             large: large as f32,

@@ -90,6 +90,8 @@ pub(super) enum Surface {
 pub struct Renderer<'a> {
     pub(super) scene: &'a Scene,
     pub(super) engine: Engine,
+    /// Its name.
+    pub(super) backend: &'static str,
     /// What the engine's device has of the scene.
     pub(super) resident: Option<SceneOnDevice>,
     clocks: Clocks,
@@ -98,6 +100,8 @@ pub struct Renderer<'a> {
     spare_targets: Option<Targets>,
     /// Made when a frame first asks for it.
     pub(super) hardware: Option<Rasterizer>,
+    /// Pixels along a quad's longer side from which on it is used, once that has been looked up.
+    pub(super) large: Option<f64>,
     /// What the engine's device shares with it.
     pub(super) shared: Option<Shared>,
     /// The scene's, where hardware has drawn trimmed faces.
@@ -121,6 +125,7 @@ impl<'a> Renderer<'a> {
         let clocks = engine.clocks();
         Self {
             scene,
+            backend: engine.name(),
             engine,
             resident: None,
             clocks,
@@ -128,6 +133,7 @@ impl<'a> Renderer<'a> {
             tables: BasisTables::new(),
             spare_targets: None,
             hardware: None,
+            large: None,
             shared: None,
             trim_lists: None,
         }

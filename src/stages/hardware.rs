@@ -11,7 +11,7 @@ use super::rasterize::BAND;
 use super::{Options, Raster, Trim};
 use crate::cuda::hardware::ByHardware;
 use crate::cuda::{TrimLists, abi};
-use crate::vulkan::{Device, Input, Rasterizer, Validation, VulkanError};
+use crate::vulkan::{Device, Input, Rasterizer, Validation, VulkanError, threshold};
 use glam::Vec2;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -86,7 +86,18 @@ impl Renderer<'_> {
 
     /// Hardware other than the first that will do.
     pub fn set_rasterizer(&mut self, rasterizer: Rasterizer) {
-        self.hardware = Some(rasterizer);
+        (self.hardware, self.large) = (Some(rasterizer), None);
+    }
+
+    /// Pixels along the longer side of a quad from which on hardware draws it: as asked for, or as has been measured.
+    pub(super) fn large(&mut self, options: &Options, device: &Device) -> f64 {
+        match options.raster {
+            Raster::Hybrid => options.large.unwrap_or_else(|| {
+                let measured = || threshold::stored(&device.found, self.backend).unwrap_or(threshold::UNMEASURED);
+                *self.large.get_or_insert_with(measured)
+            }),
+            _ => 0.0,
+        }
     }
 
     /// What draws by hardware: made when it is first asked for. `uuid`: the GPU that draws the frame, which can share memory;
@@ -116,9 +127,12 @@ impl Renderer<'_> {
 
     pub(super) fn routes(&mut self, drawn: &Geometries) -> Result<Routes, RenderError> {
         let Geometries { lens, options, leaves, grids, .. } = *drawn;
-        let from = match options.raster {
-            Raster::Hybrid => options.large.map_or_else(|| self.hardware(None).map(|h| h.large()), Ok)?,
-            _ => 0.0,
+        let from = match options.raster.is_hardware() {
+            true => {
+                let device = self.hardware(None)?.device().clone();
+                self.large(options, &device)
+            }
+            false => 0.0,
         };
         let large = |(leaf, grid): (&Leaf, &Tessellation)| {
             let net = &leaves.nets[leaf.net as usize..leaf.net as usize + leaf.points()];

@@ -4,7 +4,6 @@ use super::jobs::{self, Draw, Wanted};
 use super::memory::{Buffer, Use};
 use super::pipeline::{Kind, PUSH_BYTES, Pipelines, Push};
 use super::recorder::{Copy, Recorder};
-use super::threshold;
 use super::trims::Trims;
 use super::{Device, Order, SharedBuffer, VulkanError};
 use crate::cuda::{Pod, TrimLists, abi};
@@ -50,8 +49,6 @@ pub struct Rasterizer {
     buffers: Buffers,
     pub(super) pipelines: Pipelines,
     pub(super) recorder: Recorder,
-    /// Pixels along the longer side of a quad from which on it is worth drawing here.
-    large: f64,
 }
 
 #[derive(Default)]
@@ -84,8 +81,7 @@ pub(super) struct Frame<'a> {
 impl Rasterizer {
     pub fn new(device: Arc<Device>) -> Result<Self, VulkanError> {
         let pipelines = Pipelines::new(&device)?;
-        let large = threshold::stored(&device.found).unwrap_or(threshold::UNMEASURED);
-        let mut made = Self { buffers: Buffers::default(), pipelines, recorder: Recorder::new(device)?, large };
+        let mut made = Self { buffers: Buffers::default(), pipelines, recorder: Recorder::new(device)? };
         made.probe()?;
         Ok(made)
     }
@@ -115,12 +111,6 @@ impl Rasterizer {
 
     pub fn device(&self) -> &Arc<Device> {
         &self.recorder.device
-    }
-
-    /// Pixels along the longer side of a quad from which on this device draws it faster than software, as far as that has been
-    /// measured.
-    pub fn large(&self) -> f64 {
-        self.large
     }
 
     /// Draws meshlets into buffers of their own.

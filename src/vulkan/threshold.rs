@@ -14,20 +14,20 @@ fn file() -> io::Result<PathBuf> {
     cache::file("raster.json")
 }
 
-/// What was measured on a device with this driver.
-pub fn stored(found: &Found) -> Option<f64> {
-    let pixels: f64 = cache::get(&file().ok()?, &key(found))?;
+/// What was measured on a device with this driver, beside software of a backend.
+pub fn stored(found: &Found, backend: &str) -> Option<f64> {
+    let pixels: f64 = cache::get(&file().ok()?, &key(found, backend))?;
     // Nobody's file is trusted with what is no number of pixels.
     (pixels.is_finite() && pixels >= 0.0).then_some(pixels)
 }
 
 /// Keeps it beside those of other devices; the file it is in.
-pub fn store(found: &Found, pixels: f64) -> io::Result<PathBuf> {
+pub fn store(found: &Found, backend: &str, pixels: f64) -> io::Result<PathBuf> {
     let path = file()?;
-    cache::put(&path, &key(found), &pixels)?;
+    cache::put(&path, &key(found, backend), &pixels)?;
     Ok(path)
 }
 
-fn key(found: &Found) -> String {
-    format!("{}, {}, {}", found.name, found.driver, found.uuid)
+fn key(found: &Found, backend: &str) -> String {
+    format!("{}, {}, {}, beside {backend}", found.name, found.driver, found.uuid)
 }

@@ -6,8 +6,8 @@ use crate::commands::args::FrameArgs;
 use crate::commands::backend::vulkan_missing;
 use crate::commands::measure::{Effort, Subject};
 use crate::commands::output;
-use crate::report::{Cell, Row, Table};
-use crate::stages::{Options, Raster, Renderer};
+use crate::report::{Cell, Row, Table, name};
+use crate::stages::{Bound, Grid, Options, Raster, Renderer};
 use crate::vulkan::{Found, threshold};
 use anyhow::{Context, Result, bail};
 
@@ -27,11 +27,18 @@ pub struct Args {
 /// Pixels along a quad's longer side that are tried.
 const SIDES: [f64; 8] = [4.0, 8.0, 12.0, 16.0, 24.0, 32.0, 64.0, 128.0];
 
-/// Rows of one model: software, hardware, and hybrid by `SIDES`.
+/// Where rows are: software by our grids, hardware, software by ETER's with no triangle of more than 16 pixels (its equation 2),
+/// and hybrid by `SIDES`.
+const SOFTWARE: usize = 0;
+const HARDWARE: usize = 1;
+const SOFTWARE16: usize = 2;
+const HYBRID: usize = 3;
+
+/// Rows of one model.
 struct Finding {
     rows: Vec<Row>,
-    /// Pixels of each row that are not software's.
-    different: Vec<u64>,
+    /// Pixels of each row that are not software's; None: of other grids.
+    different: Vec<Option<u64>>,
 }
 
 pub fn run(args: &Args) -> Result<()> {
@@ -51,12 +58,13 @@ pub fn run(args: &Args) -> Result<()> {
             // The same pixels are drawn, or the comparison says nothing.
             let camera = args.frame.camera(&scene)?;
             let mut renderer = Renderer::with(&scene, args.frame.backend.engine()?);
-            let software = renderer.render(&camera, &all[0]).ok();
+            let software = renderer.render(&camera, &all[SOFTWARE]).ok();
             let mut different = Vec::new();
             for options in &all {
                 let frame = renderer.render(&camera, options).ok();
                 let both = software.as_ref().zip(frame.as_ref());
-                different.push(both.map_or(0, |(a, b)| super::backends::Difference::of(a, b).words));
+                let words = both.map_or(0, |(a, b)| super::backends::Difference::of(a, b).words);
+                different.push((options.grid == all[SOFTWARE].grid).then_some(words));
             }
             device = renderer.rasterizer().map(|r| r.device().found.clone()).or(device.take());
             found.push(Finding { rows, different });
@@ -65,8 +73,9 @@ pub fn run(args: &Args) -> Result<()> {
     })?;
     let device = device.context("no frame was drawn by hardware")?;
     let best = best(&found);
+    let backend = args.frame.backend.engine()?.name();
     let kept = match best.filter(|_| !args.forget) {
-        Some(pixels) => match threshold::store(&device, pixels) {
+        Some(pixels) => match threshold::store(&device, backend, pixels) {
             Ok(path) => format!("kept in {}", path.display()),
             Err(error) => {
                 output::warning_line(&format!("the threshold can't be kept: {error}"));
@@ -79,7 +88,7 @@ pub fn run(args: &Args) -> Result<()> {
         ("Rasterisers (ETER's figure 8)".into(), rasterisers(&found)),
         ("Hybrid by the size of quads that hardware gets".into(), sides(&found)),
     ];
-    let different: u64 = found.iter().flat_map(|f| &f.different).sum();
+    let different: u64 = found.iter().flat_map(|f| &f.different).flatten().sum();
     let verdict = if different == 0 { "Every frame stores the same words." } else { "SOME FRAMES STORE OTHER WORDS." };
     let about = format!("{} {verdict}", about(args, &device, best, &kept));
     let rows = found.into_iter().flat_map(|f| f.rows).collect();
@@ -89,7 +98,8 @@ pub fn run(args: &Args) -> Result<()> {
 fn configurations(ours: &Options) -> Vec<Options> {
     let by = |raster| Options { raster, ..*ours };
     let hybrid = SIDES.map(|side| Options { large: Some(side), ..by(Raster::Hybrid) });
-    [by(Raster::Software), by(Raster::Hardware)].into_iter().chain(hybrid).collect()
+    let eter = Options { bound: Bound::Eter, grid: Grid::Eter16, ..by(Raster::Software) };
+    [by(Raster::Software), by(Raster::Hardware), eter].into_iter().chain(hybrid).collect()
 }
 
 /// Rasterising, whatever stage does it.
@@ -100,7 +110,7 @@ fn raster_ms(row: &Row) -> Option<f64> {
 /// The side with which all models together take least.
 fn best(found: &[Finding]) -> Option<f64> {
     let all = SIDES.iter().enumerate().map(|(k, &side)| {
-        let sum: f64 = found.iter().filter_map(|f| raster_ms(&f.rows[2 + k])).sum();
+        let sum: f64 = found.iter().filter_map(|f| raster_ms(&f.rows[HYBRID + k])).sum();
         (side, sum)
     });
     all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(side, _)| side)
@@ -110,12 +120,14 @@ fn rasterisers(found: &[Finding]) -> Table {
     let mut table = Table::new(&[
         "model",
         "raster",
+        "grid",
         "quads from px",
         "ms",
         "least ms",
         "rasterize + trim ms",
         "triangles",
         "by hardware",
+        "copied bytes",
         "pixels not software's",
         "grid max px",
         "refined max px",
@@ -124,18 +136,20 @@ fn rasterisers(found: &[Finding]) -> Table {
     ]);
     let best = best(found);
     for Finding { rows, different } in found {
-        let hybrid = best.and_then(|best| SIDES.iter().position(|&side| side == best)).map(|k| 2 + k);
-        for k in [Some(0), hybrid, Some(1)].into_iter().flatten() {
+        let hybrid = best.and_then(|best| SIDES.iter().position(|&side| side == best)).map(|k| HYBRID + k);
+        for k in [Some(SOFTWARE), Some(SOFTWARE16), hybrid, Some(HARDWARE)].into_iter().flatten() {
             let (row, m, e) = (&rows[k], rows[k].measured(), rows[k].errors());
             table.push(vec![
                 row.model.as_str().into(),
                 row.raster.as_str().into(),
-                (k >= 2).then_some(best).flatten().into(),
+                name(row.setting.grid).into(),
+                (k >= HYBRID).then_some(best).flatten().into(),
                 m.map(|m| m.total.median).into(),
                 m.map(|m| m.total.min).into(),
                 raster_ms(row).into(),
                 m.map(|m| m.counts.triangles).into(),
                 m.map(|m| m.counts.triangles_hardware).into(),
+                m.map(|m| m.counts.bytes_copied).into(),
                 different[k].into(),
                 e.and_then(|e| e.grid_max()).into(),
                 e.and_then(|e| e.refined).map(|s| s.max).into(),
@@ -152,13 +166,13 @@ fn sides(found: &[Finding]) -> Table {
         Table::new(&["model", "quads from px", "rasterize + trim ms", "by hardware", "pixels not software's"]);
     for Finding { rows, different } in found {
         for (k, side) in SIDES.into_iter().enumerate() {
-            let row = &rows[2 + k];
+            let row = &rows[HYBRID + k];
             table.push(vec![
                 row.model.as_str().into(),
                 side.into(),
                 raster_ms(row).into(),
                 row.measured().map(|m| m.counts.triangles_hardware).into(),
-                Cell::from(different[2 + k]),
+                Cell::from(different[HYBRID + k]),
             ]);
         }
     }
