@@ -76,7 +76,7 @@ bench() {
 raster() {
     # Not by drivers that draw on the CPU: a GPU's time is dear.
     if "$program" devices | grep '^vulkan' | grep -v 'not available' | grep -qv '(cpu, '; then
-        step raster 40 "$program" bench raster "$@" --forget -o "$found/raster"
+        bench raster 60 raster "$@" --forget
         step tessellation 30 "$program" bench tessellation -o "$found/tessellation"
     else
         left_out raster "no Vulkan device"

@@ -7,7 +7,7 @@ use crate::commands::backend::vulkan_missing;
 use crate::commands::measure::{Effort, Subject};
 use crate::commands::output;
 use crate::report::{Cell, Row, Table, name};
-use crate::stages::{Bound, Grid, Options, Raster, Renderer};
+use crate::stages::{Bound, FrameShape, Grid, Options, Raster, Renderer};
 use crate::vulkan::{Found, threshold};
 use anyhow::{Context, Result, bail};
 
@@ -98,7 +98,8 @@ pub fn run(args: &Args) -> Result<()> {
 fn configurations(ours: &Options) -> Vec<Options> {
     let by = |raster| Options { raster, ..*ours };
     let hybrid = SIDES.map(|side| Options { large: Some(side), ..by(Raster::Hybrid) });
-    let eter = Options { bound: Bound::Eter, grid: Grid::Eter16, ..by(Raster::Software) };
+    let (bound, grid, frame) = (Bound::Eter, Grid::Eter16, FrameShape::Staged);
+    let eter = Options { bound, grid, frame, ..by(Raster::Software) };
     [by(Raster::Software), by(Raster::Hardware), eter].into_iter().chain(hybrid).collect()
 }
 
@@ -121,6 +122,7 @@ fn rasterisers(found: &[Finding]) -> Table {
         "model",
         "raster",
         "grid",
+        "frame",
         "quads from px",
         "ms",
         "least ms",
@@ -143,6 +145,7 @@ fn rasterisers(found: &[Finding]) -> Table {
                 row.model.as_str().into(),
                 row.raster.as_str().into(),
                 name(row.setting.grid).into(),
+                row.frame.map_or_else(String::new, name).into(),
                 (k >= HYBRID).then_some(best).flatten().into(),
                 m.map(|m| m.total.median).into(),
                 m.map(|m| m.total.min).into(),
