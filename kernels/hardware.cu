@@ -24,9 +24,13 @@ struct Wanted {
     int32_t half_viewport;
 };
 
+static __device__ __forceinline__ float denominator(const View &view, const Patch &patch, const float4 &p) {
+    return view.perspective != 0 ? p.z + patch.depth_origin * p.w : p.w;
+}
+
 static __device__ __forceinline__ float2 pixel_of(const View &view, const Patch &patch, const float4 &p) {
-    const float denominator = view.perspective != 0 ? p.z + patch.depth_origin * p.w : p.w;
-    return make_float2(p.x / denominator, p.y / denominator);
+    const float by = denominator(view, patch, p);
+    return make_float2(p.x / by, p.y / by);
 }
 
 static __device__ __forceinline__ float distance(float2 a, float2 b) {
@@ -34,7 +38,41 @@ static __device__ __forceinline__ float distance(float2 a, float2 b) {
     return sqrtf(x * x + y * y);
 }
 
-// How long a quad's sides may be, in pixels: ETER's first-derivative rule, on the projected net.
+// A leaf's triangles are at least so large by ETER's bound on their edges, in pixels: its first-derivative rule (section 6.2,
+// equation 2), on the projected net.
+static __device__ __forceinline__ bool edges_reach(const View &view, const Patch &patch, Buffer<const Point> nets, float pixels) {
+    const int m = patch.degree[0], n = patch.degree[1];
+    const Buffer<const float4> net = as<const float4>(nets + patch.net);
+    float radius = 0.0f, least = INFINITY;
+    for (int k = 0; k < (m + 1) * (n + 1); k++) {
+        radius = larger(distance(pixel_of(view, patch, net[k]), make_float2(0.0f, 0.0f)), radius);
+        least = smaller(denominator(view, patch, net[k]), least);
+    }
+    if (pixels >= 2.0f * radius) {
+        return false;
+    }
+    const float reach = larger(radius - pixels, 0.0f);
+    const auto size = [&](const float4 &a, const float4 &b) {
+        const float apart = distance(make_float2(a.x, a.y), make_float2(b.x, b.y));
+        return apart + reach * fabsf(denominator(view, patch, a) - denominator(view, patch, b));
+    };
+    float along_u = 0.0f, along_v = 0.0f;
+    for (int i = 0; i <= m; i++) {
+        for (int j = 0; j <= n; j++) {
+            const float4 here = net[i * (n + 1) + j];
+            if (i < m) {
+                along_u = larger(size(net[(i + 1) * (n + 1) + j], here), along_u);
+            }
+            if (j < n) {
+                along_v = larger(size(net[i * (n + 1) + j + 1], here), along_v);
+            }
+        }
+    }
+    const float edges = along_u * float(m) / float(patch.quads[0]) + along_v * float(n) / float(patch.quads[1]);
+    return edges / least >= pixels;
+}
+
+// How long a quad's sides may be, in pixels: by the projected net's first differences.
 static __device__ __forceinline__ float quad_side(const View &view, const Patch &patch, Buffer<const Point> nets) {
     const int m = patch.degree[0], n = patch.degree[1];
     const Buffer<const float4> net = as<const float4>(nets + patch.net);
@@ -100,13 +138,15 @@ static __device__ __forceinline__ uint64_t take(Buffer<uint64_t> counter, uint32
 
 } // namespace hardware
 
-// A thread a leaf: whether its quads are large enough.
+// A thread a leaf: whether its quads are large enough, by their sides or by ETER's rule. 0: any quads are.
 extern "C" __global__ void __launch_bounds__(THREADS)
     hardware_leaves(const __grid_constant__ View view, Count count, Buffer<const Patch> patches, Buffer<const Point> nets,
-                    float large, Buffer<uint8_t> taken) {
+                    float large, uint32_t by_edges, Buffer<uint8_t> taken) {
     const uint32_t k = blockIdx.x * THREADS + threadIdx.x;
     if (k < count.get()) {
-        taken[k] = hardware::quad_side(view, patches[k], nets) >= large;
+        taken[k] = large <= 0.0f
+                   || (by_edges ? hardware::edges_reach(view, patches[k], nets, large)
+                                : hardware::quad_side(view, patches[k], nets) >= large);
     }
 }
 KERNEL(hardware_leaves)

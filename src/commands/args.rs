@@ -4,7 +4,7 @@ use super::UsageError;
 use super::backend::{self, Backend};
 use super::source::ModelArgs;
 use crate::scene::{Camera, MAX_SIDE, Scene, View, ViewSpec};
-use crate::stages::{Bound, Cull, Fill, FrameShape, Grid, Options, Precision, Raster, Show, Trim};
+use crate::stages::{Bound, Cull, Fill, FrameShape, Grid, Options, Precision, Raster, Route, Show, Trim};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 use glam::DVec3;
@@ -77,6 +77,9 @@ pub struct FrameArgs {
     /// Quads of so many pixels and more are hardware's in --raster hybrid [default: what `bench raster` found]
     #[arg(long, value_name = "PIXELS", value_parser = parse_large, allow_hyphen_values = true)]
     pub large: Option<f64>,
+    /// By what quads are large, for --raster hybrid
+    #[arg(long, value_enum, default_value_t)]
+    pub route: Route,
     /// How a GPU's frame is made [default: fused]
     #[arg(long, value_enum)]
     pub frame: Option<FrameShape>,
@@ -108,6 +111,7 @@ impl FrameArgs {
             frame: self.frame.unwrap_or_default(),
             raster: self.raster,
             large: self.large,
+            route: self.route,
             precision: self.precision.unwrap_or_default(),
             refine: self.refine,
             tolerance: self.tolerance,

@@ -47,7 +47,7 @@ impl Used {
             bound: options.bound,
             fill: options.fill,
             grid: options.grid,
-            frame: (!matches!(engine, Engine::Cpu)).then_some(options.frame),
+            frame: (!matches!(engine, Engine::Cpu)).then_some(options.shape()),
             precision: if matches!(engine, Engine::Cpu) { Precision::F32 } else { options.precision },
             device: engine.gpu().unwrap_or_else(cpu_name),
             threads: rayon::current_num_threads(),

@@ -15,6 +15,8 @@ pub(crate) struct Hardware<'r> {
     pub rasterizer: &'r mut Rasterizer,
     /// Pixels along the longer side of a quad from which on a leaf is drawn by it.
     pub large: f32,
+    /// By ETER's rule.
+    pub by_edges: bool,
     pub fill: Fill,
     /// Of the scene, where trees decide.
     pub trims: Option<Arc<TrimLists>>,
@@ -50,7 +52,12 @@ impl<G: Gpu> Stages<'_, '_, G> {
         let (patches, nets) = (geometry.patches.pointer(), geometry.nets.pointer());
         let view = geometry.view;
         let leaves = self.leaves;
-        self.session.for_all("hardware_leaves", leaves, &[&view, &leaves, &patches, &nets, &hardware.large, &taken])?;
+        let (large, by_edges) = (hardware.large, u32::from(hardware.by_edges));
+        self.session.for_all(
+            "hardware_leaves",
+            leaves,
+            &[&view, &leaves, &patches, &nets, &large, &by_edges, &taken],
+        )?;
         let (textured, meshlets) = (u32::from(self.textured), geometry.meshlets.pointer());
         self.session.for_all("hardware_marks", count, &[&count, &taken, &textured, &meshlets, &counted.pointer()])?;
         Ok(self.session.download(&counted)?.first().copied().unwrap_or_default())

@@ -7,7 +7,7 @@ use super::frame::{Frame, Geometry, Renderer, Surface, Targets};
 use super::lens::Lens;
 use super::shade::{Shader, repaint};
 use super::stats::{Clock, Stats};
-use super::{FrameShape, Options, Precision, Show, Trim, TrimCounts};
+use super::{FrameShape, Options, Precision, Route, Show, Trim, TrimCounts};
 use crate::cuda::count::Plan;
 use crate::cuda::evaluate::{memory, view};
 use crate::cuda::frame::Input;
@@ -149,7 +149,7 @@ impl Renderer<'_> {
         camera: &Camera,
         options: &Options,
     ) -> Result<Frame, RenderError> {
-        let options = &Options { frame: FrameShape::Staged, ..*options };
+        let options = &Options { frame: options.shape(), ..*options };
         let trims = scene.trimmed && options.trim == Trim::On;
         let trims = trims.then(|| self.trim_lists());
         let mut rasterizer = self.take_hardware(gpu.vulkan_uuid())?;
@@ -157,6 +157,7 @@ impl Renderer<'_> {
         let mut hardware = Hardware {
             rasterizer: &mut rasterizer,
             large: large as f32,
+            by_edges: options.route == Route::Eter,
             fill: options.fill,
             trims,
             alone: is_tested_alone(options),

@@ -8,7 +8,7 @@ use super::fill::is_tested_alone;
 use super::frame::{Renderer, Targets};
 use super::lens::Lens;
 use super::rasterize::BAND;
-use super::{Options, Raster, Trim};
+use super::{Options, Raster, Route, Trim};
 use crate::cuda::hardware::ByHardware;
 use crate::cuda::{TrimLists, abi};
 use crate::vulkan::{Device, Input, Rasterizer, Validation, VulkanError, threshold};
@@ -53,7 +53,39 @@ impl Routes {
     }
 }
 
-/// How long a quad's sides may be, in pixels: ETER's first-derivative rule, on the projected net.
+/// A leaf's triangles are at least so large by ETER's bound on their edges, in pixels: its first-derivative rule (section 6.2,
+/// equation 2), on the projected net.
+fn edges_reach(leaf: &Leaf, grid: &Tessellation, net: &[glam::Vec4], perspective: bool, pixels: f32) -> bool {
+    let [m, n] = leaf.degree;
+    let denominator = |p: glam::Vec4| if perspective { p.z + leaf.depth_origin as f32 * p.w } else { p.w };
+    let (mut radius, mut least) = (0.0f32, f32::INFINITY);
+    for &p in net {
+        let d = denominator(p);
+        radius = radius.max(Vec2::new(p.x / d, p.y / d).length());
+        least = least.min(d);
+    }
+    if pixels >= 2.0 * radius {
+        return false;
+    }
+    let reach = (radius - pixels).max(0.0);
+    let size = |a: glam::Vec4, b: glam::Vec4| {
+        Vec2::new(a.x - b.x, a.y - b.y).length() + reach * (denominator(a) - denominator(b)).abs()
+    };
+    let (mut along_u, mut along_v) = (0.0f32, 0.0f32);
+    for (i, j) in (0..=m).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+        let here = net[i * (n + 1) + j];
+        if i < m {
+            along_u = along_u.max(size(net[(i + 1) * (n + 1) + j], here));
+        }
+        if j < n {
+            along_v = along_v.max(size(net[i * (n + 1) + j + 1], here));
+        }
+    }
+    let edges = along_u * m as f32 / grid.quads[0] as f32 + along_v * n as f32 / grid.quads[1] as f32;
+    edges / least >= pixels
+}
+
+/// How long a quad's sides may be, in pixels: by the projected net's first differences.
 fn quad_side(leaf: &Leaf, grid: &Tessellation, net: &[glam::Vec4], perspective: bool) -> f32 {
     let [m, n] = leaf.degree;
     let at = |i: usize, j: usize| {
@@ -136,7 +168,11 @@ impl Renderer<'_> {
         };
         let large = |(leaf, grid): (&Leaf, &Tessellation)| {
             let net = &leaves.nets[leaf.net as usize..leaf.net as usize + leaf.points()];
-            quad_side(leaf, grid, net, lens.perspective) >= from as f32
+            match options.route {
+                _ if from <= 0.0 => true,
+                Route::Net => quad_side(leaf, grid, net, lens.perspective) >= from as f32,
+                Route::Eter => edges_reach(leaf, grid, net, lens.perspective, from as f32),
+            }
         };
         let leaves = match options.raster {
             Raster::Auto | Raster::Software => Taken::None,

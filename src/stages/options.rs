@@ -94,6 +94,17 @@ pub enum Raster {
     Hardware,
 }
 
+/// By what a leaf's quads are large (`Raster::Hybrid`).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum Route {
+    /// Differences of the projected control points: the sides of quads, nearly.
+    #[default]
+    Net,
+    /// ETER section 6.2: its bound on the edges of triangles, from the first derivative (equation 2).
+    Eter,
+}
+
 /// How trim loops cut their faces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
@@ -136,6 +147,7 @@ pub struct Options {
     /// Pixels along the longer side of a quad from which on `Raster::Hybrid` gives its leaf to hardware; `None`: what `bench
     /// raster` found for the device. Changes no pixel.
     pub large: Option<f64>,
+    pub route: Route,
     /// Of evaluation on a device; the CPU has f32 alone.
     pub precision: Precision,
     /// Newton steps towards the pixel centre; 0 is the papers' way.
@@ -158,11 +170,19 @@ impl Default for Options {
             frame: FrameShape::Fused,
             raster: Raster::Auto,
             large: None,
+            route: Route::default(),
             precision: Precision::F32,
             refine: 2,
             tolerance: 0.5,
             depth_tolerance: 1.0,
         }
+    }
+}
+
+impl Options {
+    /// The shape that a frame of a device really has: mesh shaders draw vertices in memory.
+    pub fn shape(&self) -> FrameShape {
+        if self.raster.is_hardware() { FrameShape::Staged } else { self.frame }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::{assert_silent, rasterizer};
 use halfpixel::import;
 use halfpixel::scene::{Scene, ViewSpec, prepare};
-use halfpixel::stages::{Bound, Engine, Fill, Frame, Options, Raster, Renderer, Trim};
+use halfpixel::stages::{Bound, Engine, Fill, Frame, Options, Raster, Renderer, Route, Trim};
 use halfpixel::vulkan::{Device, Rasterizer, Validation};
 use std::path::PathBuf;
 
@@ -72,8 +72,10 @@ fn drawn_together(mut rasterizer: Rasterizer, copied: bool) {
         renderer.set_rasterizer(rasterizer);
         for options in &all {
             let software = reference.render(&camera, options).expect("a frame");
-            for (raster, large) in [(Raster::Hardware, None), (Raster::Hybrid, Some(6.0))] {
-                let options = Options { raster, large, ..*options };
+            let routes = [(Raster::Hardware, None), (Raster::Hybrid, Some(6.0)), (Raster::Hybrid, Some(9.0))];
+            for (raster, large) in routes {
+                let route = if large == Some(9.0) { Route::Eter } else { Route::Net };
+                let options = Options { raster, large, route, ..*options };
                 let frame = renderer.render(&camera, &options).expect("a frame");
                 assert_eq!(differences(&software, &frame), 0, "{name}, {options:?}");
                 let drawn = frame.stats.triangles_hardware > 0;
