@@ -2,6 +2,8 @@
 
 #[path = "support/fresh.rs"]
 mod fresh;
+#[path = "support/skip.rs"]
+mod skip;
 
 use fresh::{agrees, root};
 use std::env;
@@ -13,7 +15,7 @@ const FRESH: &str = "src/cuda/abi.rs";
 #[test]
 fn the_rust_side_of_the_abi_is_fresh() {
     let Some(folder) = libclang() else {
-        eprintln!("skipped: no libclang (scripts/install_nvcc.sh brings one, or set LIBCLANG_PATH)");
+        skip::skip("no libclang (scripts/install_nvcc.sh brings one, or set LIBCLANG_PATH)");
         return;
     };
     // SAFETY: this is the only test of its process, so no other thread looks at the environment.

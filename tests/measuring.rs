@@ -1,6 +1,9 @@
 //! `compare` and `bench` as a user runs them, on small pictures. What is measured is checked elsewhere; here only that
 //! it is written, and that a refusal or an interruption does not end a run.
 
+#[path = "support/skip.rs"]
+mod skip;
+
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -109,7 +112,7 @@ fn the_other_suites_run() {
 /// Runs a suite of kernels on the CPU; `None` where this build can't.
 fn kernels(folder: &Folder, line: &[&str]) -> Option<Value> {
     if let Some(why) = halfpixel::emulated::missing() {
-        eprintln!("skipped: {why}");
+        skip::skip(why);
         return None;
     }
     halfpixel(&[line, &["--backend", "emulated", "-o", &folder.prefix()]].concat());
@@ -119,7 +122,8 @@ fn kernels(folder: &Folder, line: &[&str]) -> Option<Value> {
 #[test]
 fn every_kernel_of_evaluate_has_a_time_and_an_error() {
     let folder = Folder::new("evaluate");
-    let Some(found) = kernels(&folder, &["bench", "evaluate", "--patches", "2", "--degrees", "3"]) else { return };
+    let line = ["bench", "evaluate", "--patches", "2", "--degrees", "3", "--forget"];
+    let Some(found) = kernels(&folder, &line) else { return };
     let rows = found["rows"].as_array().unwrap();
     assert_eq!(rows.len(), 15);
     assert_eq!(folder.read("out.csv").lines().count(), 16);
@@ -133,6 +137,8 @@ fn every_kernel_of_evaluate_has_a_time_and_an_error() {
         assert_eq!((row["timed_by"].as_str(), row["vertices"].as_u64()), (Some("emulator: no speed"), Some(8192)));
     }
     assert!(folder.read("out.md").contains("MEAN NOTHING"));
+    let verdicts = &found["tables"]["What a GPU must reach"];
+    assert_eq!((count(verdicts), &verdicts[0]["verdict"]), (1, &Value::from("pending")));
 }
 
 #[test]
@@ -157,7 +163,10 @@ fn frames_of_copies_are_measured_and_fitted() {
     let copies = count(&found["tables"]["Breakdown at 64x48"]) / 2 - 1;
     assert!((2..=4).contains(&copies), "{copies}");
     assert_eq!(count(&found["rows"]), 4 + 2 * (copies - 1) + 4 * copies);
-    assert!(folder.read("out.md").contains("ns a triangle"));
+    let text = folder.read("out.md");
+    assert!(text.contains("ns a triangle") && text.contains("Measured with --backend cpu on "), "{text}");
+    let verdicts = found["tables"]["What a GPU must reach"].as_array().unwrap();
+    assert!(verdicts.len() == 4 && verdicts.iter().all(|v| v["verdict"] == "pending"), "{verdicts:?}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Models that need no file: the teapot, closed primitives, and the hard cases of `stress`.
 
+mod rings;
 mod stress;
 mod teapot;
 mod trimmed;
@@ -20,7 +21,7 @@ pub enum BuiltinError {
 
 /// The names [`builtin`] knows.
 pub fn names() -> Vec<String> {
-    let plain = ["teapot", "sphere", "torus", "cylinder", "drum", "stress"].map(String::from);
+    let plain = ["teapot", "sphere", "torus", "cylinder", "drum", "rings", "stress"].map(String::from);
     let stress = stress::names().into_iter().map(|name| format!("stress:{name}"));
     plain.into_iter().chain(trimmed::NAMES.map(|name| format!("trimmed:{name}"))).chain(stress).collect()
 }
@@ -28,8 +29,8 @@ pub fn names() -> Vec<String> {
 /// A built-in model by name.
 ///
 /// `teapot` is Newell's, 32 bicubic patches, its base at z = 0; `sphere` has radius 1, `torus` radii 1 and 0.4,
-/// `cylinder` (the surface: a tube) and `drum` (the body: closed by discs) radius 1 and height 2, all about the origin;
-/// `stress` is a table of small hard cases and `stress:NAME`
+/// `cylinder` (the surface: a tube) and `drum` (the body: closed by discs) radius 1 and height 2, all about the origin; `rings`
+/// is a pile of 256 closed rings of 224 polynomial bicubic patches each; `stress` is a table of small hard cases and `stress:NAME`
 /// one hard case alone; `trimmed:NAME` is a trimmed face or solid.
 pub fn builtin(name: &str) -> Result<Model, BuiltinError> {
     let part = match name {
@@ -38,6 +39,7 @@ pub fn builtin(name: &str) -> Result<Model, BuiltinError> {
         "torus" => Some(closed("torus", vec![torus(1.0, 0.4)])),
         "cylinder" => Some(part("cylinder", Solidity::Open, vec![drum(1.0, 1.0).swap_remove(1).into()])),
         "drum" => Some(closed("drum", drum(1.0, 1.0))),
+        "rings" => Some(closed("rings", rings::pile())),
         "stress" => return Ok(stress::table()),
         _ => match name.split_once(':') {
             Some(("stress", case)) => stress::part_of(case),
@@ -119,10 +121,15 @@ mod tests {
     #[test]
     fn closed_models_face_outward() {
         use std::f64::consts::PI;
-        for (name, volume) in [("sphere", 4.0 / 3.0 * PI), ("torus", 2.0 * PI * PI * 0.16), ("drum", 2.0 * PI)] {
-            let model = builtin(name).expect(name);
-            assert_eq!(model.parts[0].solidity, Solidity::Solid);
-            let found = six_volumes(&model.parts[0]) / 6.0;
+        let torus = 2.0 * PI * PI * 0.16;
+        let ring = closed("ring", vec![rings::ring(DVec3::new(3.0, -2.0, 1.0))]);
+        let named = |name: &str| builtin(name).expect(name).parts.swap_remove(0);
+        for (part, volume) in
+            [(named("sphere"), 4.0 / 3.0 * PI), (named("torus"), torus), (named("drum"), 2.0 * PI), (ring, torus)]
+        {
+            let name = &part.name;
+            assert_eq!(part.solidity, Solidity::Solid);
+            let found = six_volumes(&part) / 6.0;
             assert!((found / volume - 1.0).abs() < 1e-3, "{name}: {found}, not {volume}");
         }
     }

@@ -55,7 +55,13 @@ impl Routes {
 
 /// A leaf's triangles are at least so large by ETER's bound on their edges, in pixels: its first-derivative rule (section 6.2,
 /// equation 2), on the projected net.
-fn edges_reach(leaf: &Leaf, grid: &Tessellation, net: &[glam::Vec4], perspective: bool, pixels: f32) -> bool {
+pub(super) fn edges_reach(
+    leaf: &Leaf,
+    grid: &Tessellation,
+    net: &[glam::Vec4],
+    perspective: bool,
+    pixels: f32,
+) -> bool {
     let [m, n] = leaf.degree;
     let denominator = |p: glam::Vec4| if perspective { p.z + leaf.depth_origin as f32 * p.w } else { p.w };
     let (mut radius, mut least) = (0.0f32, f32::INFINITY);

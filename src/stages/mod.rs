@@ -40,6 +40,7 @@ pub use device::Engine;
 pub use device_geometry::GeometryCounts;
 pub use error::RenderError;
 pub use frame::{Frame, Pixel, Renderer};
+pub(crate) use newton::CONVERGED;
 pub use options::{Bound, Cull, Fill, FrameShape, Grid, Interpolation, Options, Precision, Raster, Route, Show, Trim};
 pub use stats::{STAGES, StageTime, Stats};
 pub use trim::TrimCounts;

@@ -8,7 +8,7 @@ use glam::Vec4;
 
 pub(super) const LANES: usize = 8;
 /// Residual in pixels at which a pixel is done.
-const CONVERGED: f32 = 1.0 / 512.0;
+pub const CONVERGED: f32 = 1.0 / 512.0;
 /// Times a step is halved before the old parameter is kept.
 const HALVINGS: usize = 8;
 /// The same where many starts are tried, most of them in vain.

@@ -1,6 +1,7 @@
 //! What cuobjdump tells of the kernels.
 
 use crate::fresh::root;
+use crate::skip::skip;
 use halfpixel::cuda;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -67,15 +68,9 @@ pub struct Dump {
 impl Dump {
     /// `None`, with a line that says why, where kernels or cuobjdump are missing. `name` keeps tests' files apart.
     pub fn new(name: &str) -> Option<Self> {
-        let fatbin = match cuda::fatbin() {
-            Ok(fatbin) => fatbin,
-            Err(error) => {
-                eprintln!("skipped: {error}");
-                return None;
-            }
-        };
+        let fatbin = cuda::fatbin().map_err(skip).ok()?;
         let Some(program) = cuobjdump() else {
-            eprintln!("skipped: no cuobjdump (scripts/install_nvcc.sh brings one)");
+            skip("no cuobjdump (scripts/install_nvcc.sh brings one)");
             return None;
         };
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("kernels-{name}.fatbin"));

@@ -4,6 +4,8 @@ mod costs;
 #[path = "../support/fresh.rs"]
 mod fresh;
 mod machine_code;
+#[path = "../support/skip.rs"]
+mod skip;
 
 use fresh::{agrees, root};
 use halfpixel::cuda;
@@ -109,9 +111,8 @@ fn pinned_version() -> Option<&'static str> {
     let pinned = fs::read_to_string(root().join("scripts/nvcc_wheels.txt")).expect("the list of wheels");
     let same = pinned.contains(&format!("nvidia-cuda-nvcc=={version} "));
     if !same {
-        eprintln!(
-            "skipped: the table is for the nvcc of scripts/install_nvcc.sh, the kernels were built with {version}"
-        );
+        let why = "the table is for the nvcc of scripts/install_nvcc.sh, the kernels were built with";
+        skip::skip(format!("{why} {version}"));
     }
     same.then_some(version)
 }

@@ -4,7 +4,7 @@
 #[cfg(not(host_kernels))]
 #[test]
 fn skipped() {
-    println!("skipped: {}", halfpixel::emulated::missing().expect("a reason"));
+    skip::skip(halfpixel::emulated::missing().expect("a reason"));
 }
 
 #[cfg(host_kernels)]
@@ -42,6 +42,8 @@ mod planned;
 mod products;
 #[cfg(host_kernels)]
 mod sanitizers;
+#[path = "../support/skip.rs"]
+mod skip;
 #[cfg(host_kernels)]
 mod sparse_products;
 #[cfg(host_kernels)]

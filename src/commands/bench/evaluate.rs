@@ -1,10 +1,12 @@
 //! ETER's table 1: points on a grid of 64 x 64 by every kernel of evaluate, degrees 3 to 7; the time of each beside its error.
 
-use super::ResultArgs;
 use super::kernels::floors::Floors;
 use super::kernels::nets::{Kind, MESHLETS, Nets, VERTICES};
 use super::kernels::{Bench, Candidate, DeviceArgs, Errors, Ground, Output};
 use super::sheet::{STAMP, Sheet, stamp};
+use super::{ResultArgs, targets};
+use crate::commands::output;
+use crate::cuda::measured::{self, Times};
 use crate::cuda::precision::{Arithmetic, LARGEST_TENSOR_DEGREE};
 use crate::cuda::{Gpu, GpuError};
 use crate::report::{Cell, Spread, Table};
@@ -25,6 +27,9 @@ pub struct Args {
     /// Pixels across a patch, for errors in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 1000.0, value_parser = super::super::args::parse_width)]
     pub width: f64,
+    /// Do not keep a GPU's times for later frames of --precision auto
+    #[arg(long)]
+    pub forget: bool,
     #[command(flatten)]
     pub results: ResultArgs,
 }
@@ -54,11 +59,14 @@ pub fn run(args: &Args) -> Result<()> {
         Engine::Emulated(mut device) => measure(&mut ground.bench(&mut *device), args, &ground, patches)?,
         Engine::Cpu => unreachable!("refused before"),
     };
+    let kept = keep(args, &found, &ground, patches);
+    let verdict = targets::evaluation(&over_floor(&found, patches), ground.real);
     let sheet = Sheet {
         suite: "evaluate",
         title: "Evaluation (ETER, table 1)",
-        about: about(args, &ground, patches),
+        about: about(args, &ground, patches) + &kept,
         tables: vec![
+            ("What a GPU must reach".into(), targets::table(&[verdict])),
             (format!("As ETER's table 1: {} for points and normals", ground.ms()), like_eter(&found.timings)),
             ("Kernels".into(), brief(&found, &ground, patches, args.width)),
             ("What the device does at most".into(), found.floors.table(ground.real)),
@@ -82,6 +90,36 @@ fn about(args: &Args, ground: &Ground, patches: usize) -> String {
         args.width,
         ground.caveat()
     )
+}
+
+/// Keeps a GPU's times; what is said of that.
+fn keep(args: &Args, found: &Found, ground: &Ground, patches: usize) -> String {
+    if !ground.real {
+        return String::new();
+    }
+    if args.forget {
+        return " They are not kept.".into();
+    }
+    let times = times(&found.timings, patches);
+    let stored =
+        measured::file().and_then(|file| measured::store(&file, &ground.machine.device, &times).map(|()| file));
+    match stored {
+        Ok(file) => format!(" They are kept in {} for later frames of --precision auto.", file.display()),
+        Err(error) => {
+            output::warning_line(&format!("the times can't be kept: {error}"));
+            " They are not kept.".into()
+        }
+    }
+}
+
+/// Of the kernels that make the frame's vertices.
+fn times(timings: &[Timing], patches: usize) -> Times {
+    let mut times = Times::new();
+    for t in timings.iter().filter(|t| t.candidate.output == Output::Vertex) {
+        let nanoseconds = t.ms.median * 1e6 / (patches * MESHLETS) as f64;
+        times.entry(t.candidate.arithmetic).or_default().insert(t.degree, nanoseconds);
+    }
+    times
 }
 
 fn measure<G: Gpu>(bench: &mut Bench<G>, args: &Args, ground: &Ground, patches: usize) -> Result<Found, GpuError> {
@@ -154,6 +192,12 @@ fn floors(found: &Found, timing: &Timing, patches: usize) -> [f64; 2] {
     let bytes = (patches * VERTICES * timing.candidate.output.bytes()) as f64;
     let meshlets = (patches * MESHLETS) as f64;
     [found.floors.store_ms(bytes), found.floors.arithmetic_ms(&timing.candidate, timing.degree, meshlets)]
+}
+
+/// Kernels that make the frame's vertices: degree, arithmetic, time over the store floor.
+fn over_floor(found: &Found, patches: usize) -> Vec<(u8, Arithmetic, f64)> {
+    let vertices = found.timings.iter().filter(|t| t.candidate.output == Output::Vertex);
+    vertices.map(|t| (t.degree, t.candidate.arithmetic, t.ms.median / floors(found, t, patches)[0])).collect()
 }
 
 fn brief(found: &Found, ground: &Ground, patches: usize, width: f64) -> Table {
@@ -248,4 +292,23 @@ fn rows(found: &Found, ground: &Ground, patches: usize, width: f64) -> Table {
         table.push(cells.into_iter().chain(stamp(ground.backend, &ground.machine)).collect());
     }
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_kept_is_nanoseconds_a_meshlet_of_the_kernels_of_frames() {
+        let all = candidates(4).into_iter().enumerate().map(|(k, candidate)| {
+            let ms = Spread { median: (k + 1) as f64, ..Spread::default() };
+            Timing { degree: 4, candidate, ms, errors: Errors::default() }
+        });
+        let all: Vec<Timing> = all.collect();
+        let times = times(&all, 1000);
+        assert!(times.keys().copied().eq(Arithmetic::ALL), "{times:?}");
+        // The last kernels are those.
+        let slowest = all.len() as f64 * 1e6 / (1000 * MESHLETS) as f64;
+        assert_eq!(times[&Arithmetic::Tf32Recovered], [(4, slowest)].into());
+    }
 }

@@ -1,7 +1,7 @@
 //! Whole frames: ETER's tables 4 and 6 and figures 8 and 9, with its own configuration beside ours in the same run.
 
 use super::fit::{self, Fit};
-use super::{Effort, Findings, ResultArgs, progress_bar};
+use super::{Effort, Findings, ResultArgs, progress_bar, targets};
 use crate::commands::args::FrameArgs;
 use crate::commands::backend::Backend;
 use crate::commands::measure::Subject;
@@ -41,6 +41,8 @@ const GROUPS: [(&str, &[&str]); 4] = [
 struct Found {
     rows: Vec<Row>,
     fitted: Vec<Row>,
+    /// All patches are bicubic polynomials without trims.
+    plain: bool,
 }
 
 pub fn run(args: &Args) -> Result<()> {
@@ -59,7 +61,7 @@ pub fn run(args: &Args) -> Result<()> {
         let copies = steps(target.div_ceil(patches.max(1)));
         let bar = progress_bar("frames");
         bar.set_length(copies.len() as u64);
-        let mut found = Found::default();
+        let mut found = Found { plain: plain(&scene), ..Found::default() };
         found.measure(args, &loaded.name, &scene, 1, engine)?;
         drop(scene);
         for &copies in copies.iter().filter(|&&copies| copies > 1) {
@@ -75,6 +77,11 @@ pub fn run(args: &Args) -> Result<()> {
 
 fn patches(scene: &Scene) -> u64 {
     scene.instances.iter().map(|i| i.patches.len() as u64).sum()
+}
+
+fn plain(scene: &Scene) -> bool {
+    let untrimmed = scene.faces.iter().all(|face| face.loops.is_empty());
+    untrimmed && scene.patches.iter().all(|patch| patch.degree == [3, 3] && !patch.rational)
 }
 
 /// One, a quarter of the last, half of it, the last.
@@ -135,12 +142,14 @@ impl Found {
             (wanted, Fit::of(&frames))
         };
         let fits: Vec<(String, Option<Fit>)> = labels.into_iter().map(fit).collect();
+        let verdicts = targets::frame(&self.rows, options.trim, self.plain);
         let (breakdown, against) = (breakdown(&self.rows), against(&self.rows, &options));
         let [width, height] = args.frame.size;
         Findings {
             title: "Frames (ETER, tables 4 and 6, figures 8 and 9)",
             about: about(args, target),
             tables: vec![
+                ("What a GPU must reach".into(), targets::table(&verdicts)),
                 (format!("Breakdown at {width}x{height}"), breakdown),
                 ("Ours against ETER's bound, grid and shape of a frame in the same run".into(), against),
                 ("Yeo's equation 11: ms = k + c0 patches + c1 triangles + c2 pixels".into(), fit::table(&fits)),

@@ -16,6 +16,7 @@ mod reading;
 mod sheet;
 mod speed;
 mod stability;
+mod targets;
 mod tessellation;
 
 use super::args::FrameArgs;
@@ -23,7 +24,7 @@ use super::measure::Effort;
 use super::source::{ModelArgs, progress_bar};
 use super::sweep::SweepArgs;
 use super::{output, results};
-use crate::report::{self, Machine, Row, Table};
+use crate::report::{self, Row, Table};
 use anyhow::Result;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -168,8 +169,9 @@ impl Findings {
 
     fn markdown(&self) -> String {
         let mut text = format!("# {}\n\n{}\n", self.title, self.about);
-        if let Some(Row { machine: Machine { device, threads, commit, date }, .. }) = self.rows.first() {
-            text += &format!("\nMeasured on {device} with {threads} threads, commit {commit}, {date}.\n");
+        if let Some(Row { backend, machine, .. }) = self.rows.first() {
+            text += "\n";
+            text += &sheet::measured_with(backend, machine);
         }
         for (heading, table) in self.tables.iter().filter(|(_, table)| !table.is_empty()) {
             text += &format!("\n## {heading}\n\n{}", table.markdown());

@@ -27,6 +27,11 @@ pub fn stamp(backend: &str, machine: &Machine) -> [Cell; 5] {
     [backend.into(), device.as_str().into(), (*threads).into(), commit.as_str().into(), date.as_str().into()]
 }
 
+/// The line above the tables.
+pub fn measured_with(backend: &str, Machine { device, threads, commit, date }: &Machine) -> String {
+    format!("Measured with --backend {backend} on {device} with {threads} threads, commit {commit}, {date}.\n")
+}
+
 impl Sheet {
     pub fn publish(&self, args: &ResultArgs) -> Result<()> {
         if let Some(prefix) = &args.output {
@@ -50,11 +55,8 @@ impl Sheet {
     }
 
     fn markdown(&self) -> String {
-        let Machine { device, threads, commit, date } = &self.machine;
-        let mut text = format!(
-            "# {}\n\n{}\n\nMeasured with --backend {} on {device} with {threads} threads, commit {commit}, {date}.\n",
-            self.title, self.about, self.backend
-        );
+        let mut text = format!("# {}\n\n{}\n\n", self.title, self.about);
+        text += &measured_with(self.backend, &self.machine);
         for (heading, table) in self.tables.iter().filter(|(_, table)| !table.is_empty()) {
             text += &format!("\n## {heading}\n\n{}", table.markdown());
         }

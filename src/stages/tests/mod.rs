@@ -7,6 +7,7 @@ mod limits;
 mod near;
 mod newton;
 mod raster;
+mod routes;
 mod sharing;
 mod strokes;
 mod textures;
