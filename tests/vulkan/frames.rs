@@ -4,6 +4,7 @@ use crate::{assert_silent, rasterizer};
 use halfpixel::import;
 use halfpixel::scene::{Scene, ViewSpec, prepare};
 use halfpixel::stages::{Bound, Engine, Fill, Frame, Options, Raster, Renderer, Route, Trim};
+use halfpixel::verify::{Sampling, verify};
 use halfpixel::vulkan::{Device, Rasterizer, Validation};
 use std::path::PathBuf;
 
@@ -147,22 +148,34 @@ fn lists_grow() {
     assert!(stats.trim.tested > 16, "{stats:?}");
 }
 
+/// All models there are: the software's words, which keep the contract.
 #[test]
 fn real_models_are_the_same() {
     let folder = std::env::var_os("HALFPIXEL_MODELS").map_or_else(|| PathBuf::from("../shared/models"), PathBuf::from);
-    let names = ["killeroo.bpt", "screw.step", "gmsh_submarine.stp", "so100_Wrist_Roll_08c.step"];
-    let found: Vec<String> = names
-        .iter()
-        .map(|name| folder.join(name))
-        .filter(|path| {
-            let there = path.is_file();
-            if !there {
-                eprintln!("skipped: there is no {}", path.display());
-            }
-            there
-        })
-        .map(|path| path.to_string_lossy().into_owned())
-        .collect();
-    let found: Vec<&str> = found.iter().map(String::as_str).collect();
-    agree(&found, &zoomed(&[1.0, 8.0]), &[Options::default()]);
+    let Ok(entries) = std::fs::read_dir(&folder) else { return eprintln!("skipped: there is no {}", folder.display()) };
+    let known = |path: &PathBuf| {
+        let end = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        end.is_some_and(|end| ["step", "stp", "bpt", "bv"].contains(&end.as_str()))
+    };
+    let mut found: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(known).collect();
+    found.sort();
+    let found: Vec<String> = found.iter().map(|path| path.to_string_lossy().into_owned()).collect();
+    let readable: Vec<&str> = found.iter().map(String::as_str).filter(|path| import::load(path).is_ok()).collect();
+    assert!(found.is_empty() || !readable.is_empty(), "{found:?}");
+    agree(&readable, &zoomed(&[1.0, 8.0]), &[Options::default()]);
+    let Some(mut rasterizer) = rasterizer() else { return };
+    for path in readable {
+        let scene = scene(path);
+        let camera = zoomed(&[1.0])[0].camera(&scene.bounds).expect("a camera");
+        let mut renderer = Renderer::new(&scene);
+        renderer.set_rasterizer(rasterizer);
+        for (raster, large) in [(Raster::Hardware, None), (Raster::Hybrid, Some(6.0))] {
+            let options = Options { raster, large, ..Options::default() };
+            let frame = renderer.render(&camera, &options).expect("a frame");
+            let sampling = Sampling { samples: Some(150), seed: 5 };
+            let report = verify(&scene, &camera, &options, &|x, y| frame.pixel(x, y), &sampling, &|_, _| ());
+            assert!(report.passed(), "{path}, {raster:?}: {report:?}");
+        }
+        rasterizer = renderer.take_rasterizer().expect("it draws");
+    }
 }
