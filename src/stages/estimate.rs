@@ -183,7 +183,7 @@ fn grid_of(culler: &Culler, leaf: &Leaf, projected: &[Vec4]) -> Result<Result<Te
     grid.deviation = [options.tolerance, subject.depth_tolerance + depth_rounding].map(|d| d as f32);
     if options.grid == Grid::Eter16 {
         let least = small_triangles(&subject);
-        if !(least[0].max(least[1]) <= f64::from(MAX_SIDE)) {
+        if least[0].max(least[1]) > f64::from(MAX_SIDE) {
             return split_along(culler, leaf, least);
         }
         grid.quads = [0, 1].map(|k| grid.quads[k].max(least[k] as u32));
