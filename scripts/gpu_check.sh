@@ -74,8 +74,10 @@ bench() {
 
 # Vulkan's mesh shaders beside the software rasteriser, where the machine has a Vulkan device.
 raster() {
-    # Not by drivers that draw on the CPU: a GPU's time is dear.
-    if "$program" devices | grep '^vulkan' | grep -v 'not available' | grep -qv '(cpu, '; then
+    # Not by drivers that draw on the CPU where a GPU's time is dear.
+    local unwanted='(cpu, '
+    [ "$backend" = cuda ] || unwanted='not available'
+    if "$program" devices | grep '^vulkan' | grep -v 'not available' | grep -qvF "$unwanted"; then
         bench raster 60 raster "$@" --forget
         step tessellation 30 "$program" bench tessellation -o "$found/tessellation"
     else
@@ -133,11 +135,11 @@ if [ "$backend" = cuda ]; then
     bench matrix 45 matrix models/teapot.bpt models/killeroo.bpt models/NIST_MBE_PMI_2.stp --pairwise --size 320x240
     step verify 30 "$program" verify models/teapot.bpt --backend cuda --size 640x360 --samples 2000 --json
     bench evaluate 60 evaluate
+    raster models/teapot.bpt models/killeroo.bpt models/NIST_MBE_PMI_2.stp --samples 300 --size 1920x1080
     # The large scene that targets are set for.
     bench rings 90 frame builtin:rings --frames 3 --samples 100 --size 3840x2160 --zoom 3
     bench frame 60 frame models/killeroo.bpt --samples 300 --size 1920x1080
     library 60 90 --samples 100 --size 1920x1080
-    raster models/teapot.bpt models/killeroo.bpt models/NIST_MBE_PMI_2.stp --samples 300 --size 1920x1080
     sanitize memcheck
     sanitize racecheck
     bench precision 60 precision
@@ -150,6 +152,7 @@ else
     bench evaluate 120 evaluate --patches 4
     bench rings 120 frame builtin:rings --patches 1 --frames 1 --samples 20 --size 96x54 --zoom 3
     bench precision 120 precision --patches 2
+    raster models/teapot.bpt --frames 1 --samples 50 --size 96x64
     bench frame 120 frame models/teapot.bpt --patches 128 --frames 1 --samples 50 --size 96x64
     library 120 0 --frames 1 --samples 0 --size 96x64
 fi

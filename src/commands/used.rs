@@ -14,6 +14,9 @@ pub struct Used {
     /// The Vulkan device that was given triangles, and its driver.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub raster_device: Option<String>,
+    /// Pixels from which on quads were that device's, of `hybrid`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub large: Option<f64>,
     pub bound: Bound,
     pub fill: Fill,
     pub grid: Grid,
@@ -31,7 +34,7 @@ impl Used {
     pub fn by(options: &Options, renderer: &Renderer) -> Self {
         let hardware = renderer.rasterizer().filter(|_| options.raster.is_hardware()).map(|r| &r.device().found);
         let raster_device = hardware.map(|found| format!("{} ({})", found.name, found.driver));
-        Self { raster_device, ..Self::new(options, renderer.engine()) }
+        Self { raster_device, large: renderer.threshold(options), ..Self::new(options, renderer.engine()) }
     }
 
     /// What a frame with these options uses on the current thread pool.
@@ -44,6 +47,7 @@ impl Used {
                 Raster::Hardware => "hardware",
             },
             raster_device: None,
+            large: None,
             bound: options.bound,
             fill: options.fill,
             grid: options.grid,

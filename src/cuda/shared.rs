@@ -25,6 +25,8 @@ struct Place {
     memory: SharedBuffer,
     /// The same for the frame's device.
     buffer: Buffer<u8>,
+    /// As many as were asked for.
+    bytes: u64,
 }
 
 /// What two devices share.
@@ -57,22 +59,24 @@ impl Shared {
     }
 
     /// Room for `length` elements, which hold anything: the last frame's where it will do, since devices take long to share
-    /// more. Words fill theirs: they are cleared and read as a whole.
+    /// more.
     pub fn room<G: Gpu, T: Pod>(&mut self, gpu: &mut G, role: Role, length: usize) -> Result<Buffer<T>, GpuError> {
-        let bytes = (length * size_of::<T>()).max(size_of::<u64>()) as u64;
-        let exact = matches!(role, Role::Near | Role::Spare);
-        let will_do = |p: &Place| if exact { p.buffer.len() as u64 == bytes } else { p.buffer.len() as u64 >= bytes };
+        let bytes = (length * size_of::<T>()).max(1) as u64;
         let place = &mut self.places[role as usize];
         let had = place.is_some();
-        if let Some(old) = place.take_if(|place| !will_do(place)) {
+        if let Some(old) = place.take_if(|place| place.bytes < bytes) {
             gpu.free(old.buffer)?;
         }
         let place = match place {
             Some(place) => place,
             none => {
-                let memory = SharedBuffer::new(&self.device, if had && !exact { bytes + bytes / 4 } else { bytes })?;
-                let buffer = gpu.adopt(&memory)?;
-                none.insert(Place { memory, buffer })
+                let mut made = |bytes: u64| -> Result<Place, GpuError> {
+                    let memory = SharedBuffer::new(&self.device, bytes)?;
+                    Ok(Place { buffer: gpu.adopt(&memory)?, memory, bytes })
+                };
+                // What is to spare may be too much.
+                let more = if had { bytes + bytes / 4 } else { bytes };
+                none.insert(made(more).or_else(|error| if more > bytes { made(bytes) } else { Err(error) })?)
             }
         };
         Ok(Buffer { length, ..place.buffer.of() })

@@ -50,6 +50,12 @@ impl Device {
         recording
     }
 
+    /// How many there are.
+    #[cfg(test)]
+    pub(crate) fn allocations(&self) -> usize {
+        self.memory.contents().count()
+    }
+
     fn make<T: Pod>(&mut self, length: usize, fill: u8) -> Buffer<T> {
         let buffer = self.memory.allocate(length, fill);
         if let Some(recording) = &self.recording {

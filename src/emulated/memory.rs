@@ -120,12 +120,13 @@ impl Memory {
         Ok(())
     }
 
-    /// The allocation, if it is this memory's and has this size.
+    /// The allocation, if it is this memory's and has this size; what is shared may be larger.
     fn find<T>(&self, buffer: &Buffer<T>) -> Result<&Allocation, LaunchError> {
         let bytes = buffer.length * size_of::<T>();
         let found = self.allocations.get(buffer.number).and_then(Option::as_ref);
         let same = |a: &&Allocation| {
-            a.bytes == bytes && a.first().addr() as u64 == buffer.pointer.bits & ((1 << ADDRESS_BITS) - 1)
+            let fits = a.bytes == bytes || a.bytes > bytes && matches!(a.place, Place::Adopted(_));
+            fits && a.first().addr() as u64 == buffer.pointer.bits & ((1 << ADDRESS_BITS) - 1)
         };
         found.filter(same).ok_or(LaunchError::NoSuchBuffer { bytes })
     }

@@ -150,6 +150,9 @@ impl Renderer<'_> {
         options: &Options,
     ) -> Result<Frame, RenderError> {
         let options = &Options { frame: options.shape(), ..*options };
+        if let Some(kept) = self.kept.take() {
+            kept.buffers.into_iter().try_for_each(|buffer| gpu.free(buffer))?;
+        }
         let trims = scene.trimmed && options.trim == Trim::On;
         let trims = trims.then(|| self.trim_lists());
         let mut rasterizer = self.take_hardware(gpu.vulkan_uuid())?;
@@ -166,7 +169,11 @@ impl Renderer<'_> {
         let mut session = Session::sharing(gpu, shared.as_mut());
         let frame = self.frame_in(&mut session, scene, camera, options, Some(&mut hardware));
         let freed = session.free();
-        self.shared = shared;
+        // Nobody knows how far a failed frame came: what it signalled may wait for somebody.
+        match (&frame, shared) {
+            (Err(_), Some(shared)) => shared.free(gpu)?,
+            (_, shared) => self.shared = shared,
+        }
         let failed = |e: &RenderError| matches!(e, RenderError::Gpu(GpuError::Vulkan(e)) if e.is_final());
         // After a failure the next frame opens the device anew.
         self.hardware = (!frame.as_ref().is_err_and(failed)).then_some(rasterizer);
@@ -176,11 +183,19 @@ impl Renderer<'_> {
 
     /// The memory that both devices see; None: they can't share any.
     fn shared_with<G: Gpu>(&mut self, gpu: &mut G, rasterizer: &Rasterizer) -> Result<Option<Shared>, RenderError> {
+        let device = rasterizer.device();
         match self.shared.take() {
-            Some(shared) if Arc::ptr_eq(shared.device(), rasterizer.device()) => return Ok(Some(shared)),
+            Some(shared) if Arc::ptr_eq(shared.device(), device) => return Ok(Some(shared)),
             other => other.map_or(Ok(()), |other| other.free(gpu))?,
         }
-        Ok(Shared::new(gpu, rasterizer.device()))
+        if self.unshared.as_ref().is_some_and(|unshared| Arc::ptr_eq(unshared, device)) {
+            return Ok(None);
+        }
+        // CUDA can import memory of its own device alone, and need not notice that it is another's.
+        let same = gpu.vulkan_uuid().is_none_or(|uuid| uuid == device.found.uuid);
+        let shared = same.then(|| Shared::new(gpu, device)).flatten();
+        self.unshared = shared.is_none().then(|| device.clone());
+        Ok(shared)
     }
 
     /// None: there was no room for something.

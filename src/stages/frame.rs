@@ -24,7 +24,7 @@ use crate::cuda::selection::{Clocks, Selection};
 use crate::cuda::shared::Shared;
 use crate::cuda::{self, TrimLists, abi, evaluate::Staged, scene::SceneOnDevice};
 use crate::scene::{Camera, PatchTrim, Scene};
-use crate::vulkan::Rasterizer;
+use crate::vulkan::{self, Rasterizer};
 use glam::Vec4;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -100,10 +100,12 @@ pub struct Renderer<'a> {
     spare_targets: Option<Targets>,
     /// Made when a frame first asks for it.
     pub(super) hardware: Option<Rasterizer>,
-    /// Pixels along a quad's longer side from which on it is used, once that has been looked up.
-    pub(super) large: Option<f64>,
+    /// Pixels from which on quads are its, by `Route`, once that has been looked up.
+    pub(super) large: [Option<f64>; 2],
     /// What the engine's device shares with it.
     pub(super) shared: Option<Shared>,
+    /// A device that was found to share nothing with it.
+    pub(super) unshared: Option<Arc<vulkan::Device>>,
     /// The scene's, where hardware has drawn trimmed faces.
     pub(super) trim_lists: Option<Arc<TrimLists>>,
 }
@@ -133,8 +135,9 @@ impl<'a> Renderer<'a> {
             tables: BasisTables::new(),
             spare_targets: None,
             hardware: None,
-            large: None,
+            large: [None; 2],
             shared: None,
+            unshared: None,
             trim_lists: None,
         }
     }

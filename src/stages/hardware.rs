@@ -124,15 +124,22 @@ impl Renderer<'_> {
 
     /// Hardware other than the first that will do.
     pub fn set_rasterizer(&mut self, rasterizer: Rasterizer) {
-        (self.hardware, self.large) = (Some(rasterizer), None);
+        (self.hardware, self.large) = (Some(rasterizer), [None; 2]);
+    }
+
+    /// Pixels from which on the last frame of `Raster::Hybrid` gave quads to hardware.
+    pub fn threshold(&self, options: &Options) -> Option<f64> {
+        let known = || options.large.or(self.large[options.route as usize]);
+        (options.raster == Raster::Hybrid).then(known).flatten()
     }
 
     /// Pixels along the longer side of a quad from which on hardware draws it: as asked for, or as has been measured.
     pub(super) fn large(&mut self, options: &Options, device: &Device) -> f64 {
         match options.raster {
             Raster::Hybrid => options.large.unwrap_or_else(|| {
-                let measured = || threshold::stored(&device.found, self.backend).unwrap_or(threshold::UNMEASURED);
-                *self.large.get_or_insert_with(measured)
+                let (backend, route) = (self.backend, options.route);
+                let measured = || threshold::stored(&device.found, backend, route).unwrap_or(threshold::UNMEASURED);
+                *self.large[route as usize].get_or_insert_with(measured)
             }),
             _ => 0.0,
         }

@@ -83,7 +83,7 @@ pub enum FrameShape {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Raster {
-    /// The fastest that is there
+    /// Software, until a GPU has been measured to be faster
     #[default]
     Auto,
     /// The backend's own

@@ -192,12 +192,8 @@ fn look(instance: &Instance, device: vk::PhysicalDevice, sharing: Sharing) -> Fo
         }
     }
     let mut absent: Vec<String> = sharing.absent().map(String::from).collect();
-    let conservative = ext::conservative_rasterization::NAME;
-    if !has(conservative) {
-        absent.push(format!("no {}: shaders widen triangles themselves", conservative.to_string_lossy()));
-    }
     let lacking = tessellation_lacks(instance, device).into_iter();
-    absent.extend(lacking.map(|name| format!("no {name}: no --raster tessellation baseline")));
+    absent.extend(lacking.map(|name| format!("no {name}: no bench tessellation")));
     Found {
         name: text(core.device_name_as_c_str()),
         driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),

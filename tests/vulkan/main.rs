@@ -26,6 +26,12 @@ fn skip(error: &VulkanError) {
     eprintln!("skipped: {error} (scripts/install_lavapipe.sh brings a device)");
 }
 
+/// The same where kernels can't be emulated.
+fn kernels_are_missing(why: impl std::fmt::Display) {
+    assert!(std::env::var_os("HALFPIXEL_NEEDS_CUDA").is_none(), "{why}");
+    eprintln!("skipped: {why}");
+}
+
 /// Validation layers have said nothing.
 fn assert_silent(rasterizer: &Rasterizer) {
     let messages = rasterizer.device().messages();

@@ -6,10 +6,11 @@ use crate::commands::args::FrameArgs;
 use crate::commands::backend::vulkan_missing;
 use crate::commands::measure::{Effort, Subject};
 use crate::commands::output;
+use crate::cuda::Gpu;
 use crate::report::{Cell, Row, Table, name};
-use crate::stages::{Bound, FrameShape, Grid, Options, Raster, Renderer};
+use crate::stages::{Bound, Engine, Frame, FrameShape, Grid, Options, Raster, RenderError, Renderer};
 use crate::vulkan::{Found, threshold};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 
 #[derive(Clone, Debug, clap::Args)]
 pub struct Args {
@@ -25,7 +26,9 @@ pub struct Args {
 }
 
 /// Pixels along a quad's longer side that are tried.
-const SIDES: [f64; 8] = [4.0, 8.0, 12.0, 16.0, 24.0, 32.0, 64.0, 128.0];
+const SIDES: [f64; 9] = [4.0, 8.0, 12.0, 16.0, 24.0, 32.0, 64.0, 128.0, NEVER];
+/// No quad is as long: where hardware is of no use.
+const NEVER: f64 = 1e9;
 
 /// Where rows are: software by our grids, hardware, software by ETER's with no triangle of more than 16 pixels (its equation 2),
 /// and hybrid by `SIDES`.
@@ -37,7 +40,7 @@ const HYBRID: usize = 3;
 /// Rows of one model.
 struct Finding {
     rows: Vec<Row>,
-    /// Pixels of each row that are not software's; None: of other grids.
+    /// Pixels of each row that are not software's in the same grids and shape; None: it is software's.
     different: Vec<Option<u64>>,
 }
 
@@ -58,13 +61,11 @@ pub fn run(args: &Args) -> Result<()> {
             // The same pixels are drawn, or the comparison says nothing.
             let camera = args.frame.camera(&scene)?;
             let mut renderer = Renderer::with(&scene, args.frame.backend.engine()?);
-            let software = renderer.render(&camera, &all[SOFTWARE]).ok();
+            let software = renderer.render(&camera, &all[SOFTWARE]);
             let mut different = Vec::new();
             for options in &all {
-                let frame = renderer.render(&camera, options).ok();
-                let both = software.as_ref().zip(frame.as_ref());
-                let words = both.map_or(0, |(a, b)| super::backends::Difference::of(a, b).words);
-                different.push((options.grid == all[SOFTWARE].grid).then_some(words));
+                let by_hardware = options.raster.is_hardware().then(|| renderer.render(&camera, options));
+                different.push(by_hardware.map(|frame| words(&software, &frame)));
             }
             device = renderer.rasterizer().map(|r| r.device().found.clone()).or(device.take());
             found.push(Finding { rows, different });
@@ -73,9 +74,9 @@ pub fn run(args: &Args) -> Result<()> {
     })?;
     let device = device.context("no frame was drawn by hardware")?;
     let best = best(&found);
-    let backend = args.frame.backend.engine()?.name();
+    let engine = args.frame.backend.engine()?;
     let kept = match best.filter(|_| !args.forget) {
-        Some(pixels) => match threshold::store(&device, backend, pixels) {
+        Some(pixels) => match threshold::store(&device, engine.name(), args.frame.route, pixels) {
             Ok(path) => format!("kept in {}", path.display()),
             Err(error) => {
                 output::warning_line(&format!("the threshold can't be kept: {error}"));
@@ -91,16 +92,32 @@ pub fn run(args: &Args) -> Result<()> {
     let different: u64 = found.iter().flat_map(|f| &f.different).flatten().sum();
     let verdict = if different == 0 { "Every frame stores the same words." } else { "SOME FRAMES STORE OTHER WORDS." };
     let about = format!("{} {verdict}", about(args, &device, best, &kept));
+    let copied = found.iter().flat_map(|f| &f.rows).filter_map(Row::measured).map(|m| m.counts.bytes_copied).max();
     let rows = found.into_iter().flat_map(|f| f.rows).collect();
-    Findings { title: "Rasterisers", about, tables, rows }.publish(&args.results)
+    Findings { title: "Rasterisers", about, tables, rows }.publish(&args.results)?;
+    ensure!(different == 0, "{different} pixels are not software's");
+    let shares = matches!(&engine, Engine::Cuda(stream) if Some(device.uuid.as_str()) == stream.vulkan_uuid());
+    let needless = copied.filter(|&bytes| bytes > 0 && shares && device.absent.is_empty());
+    ensure!(needless.is_none(), "{} bytes a frame were copied within one device", needless.unwrap_or_default());
+    Ok(())
 }
 
 fn configurations(ours: &Options) -> Vec<Options> {
-    let by = |raster| Options { raster, ..*ours };
+    // All in one shape: in another, other stages evaluate vertices, and other arithmetic.
+    let frame = FrameShape::Staged;
+    let by = |raster| Options { raster, frame, ..*ours };
     let hybrid = SIDES.map(|side| Options { large: Some(side), ..by(Raster::Hybrid) });
-    let (bound, grid, frame) = (Bound::Eter, Grid::Eter16, FrameShape::Staged);
-    let eter = Options { bound, grid, frame, ..by(Raster::Software) };
+    let eter = Options { bound: Bound::Eter, grid: Grid::Eter16, ..by(Raster::Software) };
     [by(Raster::Software), by(Raster::Hardware), eter].into_iter().chain(hybrid).collect()
+}
+
+/// How many pixels of two frames are not alike: none where both are refused, all where one is.
+fn words(software: &Result<Frame, RenderError>, hardware: &Result<Frame, RenderError>) -> u64 {
+    match (software, hardware) {
+        (Ok(a), Ok(b)) => super::backends::Difference::of(a, b).words,
+        (Err(_), Err(_)) => 0,
+        (Ok(frame), Err(_)) | (Err(_), Ok(frame)) => frame.size().into_iter().map(u64::from).product(),
+    }
 }
 
 /// Rasterising, whatever stage does it.
@@ -111,10 +128,11 @@ fn raster_ms(row: &Row) -> Option<f64> {
 /// The side with which all models together take least.
 fn best(found: &[Finding]) -> Option<f64> {
     let all = SIDES.iter().enumerate().map(|(k, &side)| {
-        let sum: f64 = found.iter().filter_map(|f| raster_ms(&f.rows[HYBRID + k])).sum();
+        // What one model was refused with is no choice.
+        let sum: f64 = found.iter().map(|f| raster_ms(&f.rows[HYBRID + k]).unwrap_or(f64::INFINITY)).sum();
         (side, sum)
     });
-    all.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(side, _)| side)
+    all.filter(|(_, sum)| sum.is_finite()).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(side, _)| side)
 }
 
 fn rasterisers(found: &[Finding]) -> Table {
