@@ -164,7 +164,7 @@ fn rasterisers(found: &[Finding]) -> Table {
                 row.raster.as_str().into(),
                 name(row.setting.grid).into(),
                 row.frame.map_or_else(String::new, name).into(),
-                (k >= HYBRID).then_some(best).flatten().into(),
+                (k >= HYBRID).then_some(best).flatten().map(pixels).into(),
                 m.map(|m| m.total.median).into(),
                 m.map(|m| m.total.min).into(),
                 raster_ms(row).into(),
@@ -190,7 +190,7 @@ fn sides(found: &[Finding]) -> Table {
             let row = &rows[HYBRID + k];
             table.push(vec![
                 row.model.as_str().into(),
-                side.into(),
+                pixels(side).into(),
                 raster_ms(row).into(),
                 row.measured().map(|m| m.counts.triangles_hardware).into(),
                 Cell::from(different[HYBRID + k]),
@@ -200,6 +200,11 @@ fn sides(found: &[Finding]) -> Table {
     table
 }
 
+/// From which side of a quad on.
+fn pixels(side: f64) -> String {
+    if side < NEVER { side.to_string() } else { "never".into() }
+}
+
 fn about(args: &Args, device: &Found, best: Option<f64>, kept: &str) -> String {
     let [width, height] = args.frame.size;
     let what = if device.kind == "cpu" {
@@ -207,10 +212,10 @@ fn about(args: &Args, device: &Found, best: Option<f64>, kept: &str) -> String {
     } else {
         "data-centre GPUs have few graphics units, and their times say little about others"
     };
-    let best = best.map_or("none".into(), |side| format!("{side} pixels"));
+    let best = best.map_or("none".into(), pixels);
     format!(
         "{width}x{height}, frames by turns. Hardware: {} ({}, {}), {what}. Where all models together take least, hybrid gives \
-         hardware the leaves with quads of {best} and more ({kept}).",
+         hardware the leaves with quads of so many pixels and more: {best} ({kept}).",
         device.name, device.kind, device.driver
     )
 }
