@@ -51,12 +51,16 @@ struct Missing {
 pub fn run(args: Args) -> Result<ExitCode> {
     let threads = thread::available_parallelism().map_or(1, Into::into);
     let mut devices = vec![Device::Cpu { name: used::cpu_name(), threads, simd: used::simd_level() }];
-    devices.extend(cuda::devices().unwrap_or_default().into_iter().map(Device::Cuda));
-    devices.extend(vulkan::devices().unwrap_or_default().into_iter().map(Device::Vulkan));
+    let (of_cuda, of_vulkan) = (cuda::devices().unwrap_or_default(), vulkan::devices().unwrap_or_default());
+    let uuids = of_cuda.iter().map(|d| (d.name.as_str(), d.vulkan_uuid()));
+    let alone = alone(uuids, &of_vulkan);
+    devices.extend(of_cuda.into_iter().map(Device::Cuda));
+    devices.extend(of_vulkan.into_iter().map(Device::Vulkan));
     let missing = [
         ("cuda", backend::cuda_missing()),
         ("emulated", backend::emulated_missing()),
         ("vulkan", backend::vulkan_missing()),
+        ("vulkan", alone),
     ];
     let missing = missing.into_iter().filter(|(_, reasons)| !reasons.is_empty());
     let missing = missing.map(|(backend, reasons)| Missing { backend, reasons }).collect();
@@ -78,6 +82,13 @@ pub fn run(args: Args) -> Result<ExitCode> {
         output::print(&format!("{count} kernels load"))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// CUDA's devices, by name and UUID, that Vulkan can't draw with.
+fn alone<'a>(of_cuda: impl Iterator<Item = (&'a str, &'a str)>, of_vulkan: &[vulkan::Found]) -> Vec<String> {
+    let draws = |uuid: &str| of_vulkan.iter().any(|d| d.uuid == uuid && d.missing.is_empty());
+    let so = "with --backend cuda, --raster hybrid and hardware use another device, and copy";
+    of_cuda.filter(|(_, uuid)| !draws(uuid)).map(|(name, _)| format!("{name} draws no meshlets: {so}")).collect()
 }
 
 /// Looks up all kernels on all devices; the emulated ones have the same names.
@@ -114,5 +125,26 @@ fn line(device: &Device) -> String {
             };
             format!("{:<9}{} ({}, {}, {}{able})", "vulkan", d.name, d.kind, d.driver, d.uuid)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_that_only_cuda_can_use_is_named() {
+        let found = |uuid: &str, missing: &[&str]| vulkan::Found {
+            name: "a GPU".into(),
+            driver: "a driver".into(),
+            uuid: uuid.into(),
+            kind: "discrete",
+            missing: missing.iter().map(|&m| m.into()).collect(),
+            absent: Vec::new(),
+        };
+        let of_vulkan = [found("1", &[]), found("2", &["meshShader"])];
+        let said = alone([("one", "1"), ("two", "2"), ("three", "3")].into_iter(), &of_vulkan);
+        assert_eq!(said.len(), 2);
+        assert!(said[0].starts_with("two ") && said[1].starts_with("three "), "{said:?}");
     }
 }

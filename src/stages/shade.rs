@@ -14,7 +14,7 @@ use super::settle::{Doubt, DoubtKind, EXACT, refuse, resettle, settle};
 use super::topology::{depth_of, meshlet_of, with_depth};
 use super::trim_cut::gaps;
 use super::trim_texture::Texture;
-use super::{Fill, Options, show};
+use super::{Fill, Options, Show, show};
 use crate::geometry::root;
 use crate::scene::Scene;
 use fearless_simd::{Level, dispatch};
@@ -88,6 +88,10 @@ pub(super) fn shade(shader: &Shader, targets: &mut Targets, filled: &mut Vec<Fil
     for (f, surfel) in filled.iter().zip(surfels) {
         targets.parameters[f.pixel as usize] = surfel.parameters;
         targets.color[f.pixel as usize] = surfel.color;
+    }
+    // Words may have got the depth of the exact surface since they were painted.
+    if shader.options.show == Show::Depth {
+        repaint(shader, targets);
     }
 }
 

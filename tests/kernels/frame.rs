@@ -3,7 +3,7 @@
 use halfpixel::emulated::{Device, Schedule};
 use halfpixel::import;
 use halfpixel::scene::{Scene, ViewSpec, prepare};
-use halfpixel::stages::{Bound, Engine, Fill, Frame, FrameShape, Options, Renderer, TrimCounts};
+use halfpixel::stages::{Bound, Engine, Fill, Frame, FrameShape, Options, Renderer, Show, TrimCounts};
 use std::path::{Path, PathBuf};
 
 const REAL: [&str; 8] = [
@@ -133,6 +133,17 @@ fn large_triangles_are_drawn_alike() {
             let view = ViewSpec { size: [400, 300], zoom, orthographic, ..ViewSpec::default() };
             same(&scene, &view, &Options::default(), Schedule::default(), &format!("{name} {orthographic}"));
         }
+    }
+}
+
+/// What a frame did is the same picture, settled pixels included.
+#[test]
+fn pictures_that_explain_are_drawn_alike() {
+    let scene = scene("builtin:trimmed:drilled");
+    let view = ViewSpec { size: [96, 64], ..ViewSpec::default() };
+    for show in [Show::Patches, Show::Grid, Show::Meshlets, Show::Normals, Show::Depth, Show::Error, Show::TriangleSize]
+    {
+        same(&scene, &view, &Options { show, ..Options::default() }, Schedule::default(), &format!("{show:?}"));
     }
 }
 
