@@ -78,9 +78,14 @@ raster() {
     local unwanted='(cpu, '
     [ "$backend" = cuda ] || unwanted='not available'
     if "$program" devices | grep '^vulkan' | grep -v 'not available' | grep -qvF "$unwanted"; then
+        # The oracle on what mesh shaders drew, in memory that both see.
+        local size=640x360
+        [ "$backend" = cuda ] || size=96x64
+        step verify-raster 30 "$program" verify "$1" --backend "$backend" --raster hardware --size "$size" --samples 500 --json
         bench raster 60 raster "$@" --forget
         step tessellation 30 "$program" bench tessellation -o "$found/tessellation"
     else
+        left_out verify-raster "no Vulkan device"
         left_out raster "no Vulkan device"
         left_out tessellation "no Vulkan device"
     fi

@@ -68,7 +68,7 @@ impl Handle {
         Ok(())
     }
 
-    /// An import went well: from here on the descriptor is the driver's.
+    /// From here on the descriptor is the driver's.
     pub(crate) fn taken(self) {
         let _ = self.0.into_raw_fd();
     }

@@ -120,16 +120,16 @@ impl Buffer {
         // whole, once, where the host sees it, and freed after the buffer.
         unsafe {
             // Where the best memory is full, other memory will do.
-            self.memory = raw
-                .allocate_memory(&info.memory_type_index(best), None)
-                .or_else(|code| match enough == best {
-                    true => Err(code),
-                    false => raw.allocate_memory(&info.memory_type_index(enough), None),
-                })
-                .map_err(failed)?;
+            let made = raw.allocate_memory(&info.memory_type_index(best), None).or_else(|code| match enough == best {
+                true => Err(code),
+                false => raw.allocate_memory(&info.memory_type_index(enough), None),
+            });
+            // Mesa 25.0 closes the handle of memory that it refuses, against the specification. To close it once more may
+            // close somebody else's; where a driver leaves it open, one that was refused stays open.
             if let Some((handle, _)) = import {
                 handle.taken();
             }
+            self.memory = made.map_err(failed)?;
             raw.bind_buffer_memory(self.raw, self.memory, 0).map_err(VulkanError::of("vkBindBufferMemory"))?;
             if used != Use::Download {
                 let info = vk::BufferDeviceAddressInfo::default().buffer(self.raw);
