@@ -7,6 +7,7 @@ use crate::scene::{Camera, MAX_SIDE, Scene, View, ViewSpec};
 use crate::stages::{Bound, Cull, Fill, FrameShape, Grid, Options, Precision, Raster, Route, Show, Trim};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 
 /// More pixels than this need a renderer that works in tiles.
@@ -72,7 +73,7 @@ pub struct FrameArgs {
     #[arg(long, value_enum, default_value_t)]
     pub backend: Backend,
     /// What turns triangles into fragments
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_parser = raster_parser(), default_value = "auto")]
     pub raster: Raster,
     /// Quads of so many pixels and more are hardware's in --raster hybrid [default: what `bench raster` found]
     #[arg(long, value_name = "PIXELS", value_parser = parse_large, allow_hyphen_values = true)]
@@ -221,6 +222,18 @@ pub(super) fn parse_zoom(text: &str) -> Result<f64, String> {
 
 pub(super) fn parse_tolerance(text: &str) -> Result<f64, String> {
     parse_in(text, 0.0, 10.0)
+}
+
+/// The rasterisers, and a hint for who looks for ETER's baseline among them.
+fn raster_parser() -> impl TypedValueParser<Value = Raster> {
+    let rasterisers = Raster::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+    let baseline = PossibleValue::new("tessellation").hide(true);
+    PossibleValuesParser::new(rasterisers.chain([baseline])).try_map(|name| match name.as_str() {
+        "tessellation" => {
+            Err("it draws no picture, as in ETER's table 3: see `halfpixel bench tessellation`".to_owned())
+        }
+        name => Raster::from_str(name, false),
+    })
 }
 
 fn parse_large(text: &str) -> Result<f64, String> {

@@ -29,6 +29,14 @@ fn a_missing_driver_is_one_clear_line() {
 }
 
 #[test]
+fn the_baseline_is_a_benchmark() {
+    let (code, said) = halfpixel(&["render", "builtin:sphere", "--raster", "tessellation", "-o", "a.png"], "");
+    assert!(code == Some(2) && said.contains("bench tessellation"), "{said}");
+    let (code, said) = halfpixel(&["render", "builtin:sphere", "--raster", "none", "-o", "a.png"], "");
+    assert!(code == Some(2) && said.contains("hybrid") && !said.contains("tessellation"), "{said}");
+}
+
+#[test]
 fn vertices_that_no_memory_holds_are_refused() {
     let drawn = ["render", "builtin:sphere", "--backend", "emulated", "--raster", "hardware", "-o", "a.png"];
     let (code, said) = halfpixel(&[&drawn[..], &["--frame", "fused"]].concat(), "");
