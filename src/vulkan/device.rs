@@ -225,6 +225,18 @@ fn family(instance: &Instance, device: vk::PhysicalDevice) -> Option<u32> {
     families.iter().position(|f| f.queue_flags.contains(vk::QueueFlags::GRAPHICS)).map(|k| k as u32)
 }
 
+/// The first that can draw meshlets; hardware before what runs on the CPU. `uuid`: that one alone.
+fn best<T>(mut all: Vec<(Found, T)>, uuid: Option<&str>) -> Result<(Found, T), VulkanError> {
+    all.retain(|(found, _)| uuid.is_none_or(|uuid| found.uuid == uuid));
+    let rank = |kind: &str| ["discrete", "integrated", "virtual", "other"].iter().position(|k| *k == kind);
+    all.sort_by_key(|(found, _)| (!found.missing.is_empty(), rank(found.kind).unwrap_or(usize::MAX)));
+    let Some((found, of)) = all.into_iter().next() else { return Err(VulkanError::NoDevice) };
+    if found.missing.is_empty() {
+        return Ok((found, of));
+    }
+    Err(VulkanError::Unfit { device: found.name, missing: found.missing })
+}
+
 impl Device {
     /// The first device that can draw meshlets; hardware before what runs on the CPU. `uuid`: that one alone.
     pub fn new(validation: Validation, uuid: Option<&str>) -> Result<Arc<Self>, VulkanError> {
@@ -244,16 +256,10 @@ impl Device {
         let instance = Instance::new(validation)?;
         let seen = |device| {
             let sharing = sharing(&instance, device);
-            (look(&instance, device, sharing), device, sharing)
+            (look(&instance, device, sharing), (device, sharing))
         };
-        let mut all: Vec<_> = physical(&instance)?.into_iter().map(seen).collect();
-        all.retain(|(found, ..)| uuid.is_none_or(|uuid| found.uuid == uuid));
-        let rank = |kind: &str| ["discrete", "integrated", "virtual", "other"].iter().position(|k| *k == kind);
-        all.sort_by_key(|(found, ..)| (!found.missing.is_empty(), rank(found.kind).unwrap_or(usize::MAX)));
-        let Some((found, physical, sharing)) = all.into_iter().next() else { return Err(VulkanError::NoDevice) };
-        if !found.missing.is_empty() {
-            return Err(VulkanError::Unfit { device: found.name, missing: found.missing });
-        }
+        let all = physical(&instance)?.into_iter().map(seen).collect();
+        let (found, (physical, sharing)) = best(all, uuid)?;
         Self::open(instance, physical, found, sharing)
     }
 
@@ -343,5 +349,38 @@ impl Drop for Device {
 impl fmt::Debug for Device {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_tuple("Device").field(&self.found.name).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn found(name: &str, kind: &'static str, missing: &[&str]) -> (Found, u32) {
+        let missing = missing.iter().map(|&m| m.into()).collect();
+        let (driver, absent) = (String::new(), Vec::new());
+        (Found { name: name.into(), driver, uuid: format!("uuid of {name}"), kind, missing, absent }, 0)
+    }
+
+    #[test]
+    fn hardware_that_draws_meshlets_comes_first() {
+        let all = || {
+            vec![
+                found("lavapipe", "cpu", &[]),
+                found("old", "discrete", &["meshShader"]),
+                found("new", "discrete", &[]),
+            ]
+        };
+        assert_eq!(best(all(), None).expect("two will do").0.name, "new");
+        assert_eq!(best(all(), Some("uuid of lavapipe")).expect("it will do").0.name, "lavapipe");
+        assert_eq!(best(all(), Some("another")).expect_err("there is none"), VulkanError::NoDevice);
+        assert_eq!(best(Vec::<(Found, u32)>::new(), None).expect_err("there is none"), VulkanError::NoDevice);
+    }
+
+    #[test]
+    fn a_driver_without_mesh_shaders_is_one_clear_line() {
+        let old = vec![found("old", "discrete", &["VK_EXT_mesh_shader", "shaderInt64"])];
+        let error = best(old, None).expect_err("it lacks something").to_string();
+        assert_eq!(error, "old can't be used for this, it lacks VK_EXT_mesh_shader, shaderInt64");
     }
 }

@@ -131,6 +131,12 @@ impl Rasterizer {
         Ok(Drawn { near, spare, listed: self.listed(input.trims) })
     }
 
+    /// As if its device had been lost.
+    #[cfg(test)]
+    pub(crate) fn lose(&mut self) {
+        self.recorder.lose();
+    }
+
     pub(super) fn check_size(&self, [width, height]: [u32; 2]) -> Result<(), VulkanError> {
         self.recorder.check()?;
         let device = &self.recorder.device;

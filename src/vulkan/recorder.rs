@@ -64,6 +64,12 @@ impl Recorder {
         Ok(made)
     }
 
+    /// As if the device had been lost.
+    #[cfg(test)]
+    pub fn lose(&mut self) {
+        self.failed = Some(VulkanError::Lost { what: "drawing meshlets" });
+    }
+
     /// Runs what `record` records, to its end. `what`: for errors.
     pub fn run(&mut self, what: &'static str, record: impl FnOnce(&Self)) -> Result<(), VulkanError> {
         self.run_in_order(what, &Order::default(), record)

@@ -2,7 +2,7 @@
 
 use crate::cuda::recorded::{Event, Recorded};
 use crate::scene::{ViewSpec, prepare};
-use crate::stages::{Options, Raster, Renderer};
+use crate::stages::{Engine, Options, Raster, Renderer};
 use crate::vulkan::{Device, Rasterizer, Validation, VulkanError};
 use crate::{emulated, import};
 use std::sync::Arc;
@@ -81,4 +81,23 @@ fn hardware_and_software_take_turns() {
         kept.push(gpu.allocations());
     }
     assert_eq!(kept[0], kept[1]);
+}
+
+/// One line says so, and the next frame opens the device anew.
+#[test]
+fn a_lost_device_is_opened_again() {
+    if rasterizer(Device::new(Validation::Off, None)).is_none() {
+        return;
+    }
+    let scene = prepare(&import::load("builtin:teapot").expect("a model"), &|_, _| {}).expect("a scene");
+    let camera = ViewSpec { size: [64, 48], ..ViewSpec::default() }.camera(&scene.bounds).expect("a camera");
+    let options = Options { raster: Raster::Hardware, ..Options::default() };
+    for engine in [Engine::Cpu, Engine::Emulated(Box::default())] {
+        let mut renderer = Renderer::with(&scene, engine);
+        renderer.render(&camera, &options).expect("a frame");
+        renderer.hardware.as_mut().expect("it has drawn").lose();
+        let error = renderer.render(&camera, &options).expect_err("the device is lost").to_string();
+        assert_eq!(error, "--raster: drawing meshlets: the Vulkan device was lost");
+        renderer.render(&camera, &options).expect("a frame");
+    }
 }
