@@ -57,6 +57,19 @@ fn what_is_shown_is_visible_within_half_a_pixel() {
     assert_eq!(report.covering_failures, 0, "{:?}", report.worst);
 }
 
+/// Patches of a few pixels, one quad each: where their triangles cover a pixel's centre near an outline and the parameter
+/// there lies beyond the fold, refinement stays there. Such pixels show a point up to 0.31 px from their centre, lit from
+/// the wrong side, where the surface itself is under the centre (pixel (443, 493) here, 0.25 px inside the outline). The
+/// contract's half pixel is kept; what the README says of outlines is not.
+#[test]
+#[ignore = "single pixels along outlines of small patches are off by up to 0.31 px"]
+fn outlines_of_small_patches_are_exact() {
+    let report = judged("builtin:rings", ViewSpec { size: [900, 600], ..ViewSpec::default() });
+    assert!(report.passed());
+    let error = report.parametric_error_px.expect("it is drawn");
+    assert!(error.max < 0.01, "{error:?}");
+}
+
 /// With an eye 1e5 model sizes away, near / z spreads the whole model over some 300 f32 values next to 1, and sheets
 /// that are farther apart than the depth tolerance change places. An affine depth about the model would keep them.
 #[test]

@@ -142,10 +142,7 @@ impl<G: Gpu> Stages<'_, '_, G> {
         })?;
         self.near = self.session.upload(drawn.near)?;
         self.spare = self.session.upload(drawn.spare)?;
-        self.hardware.listed = drawn.listed.to_vec();
-        let lists = [size_of_val(&patches[..]), size_of_val(&leaves[..]), size_of_val(&meshlets[..])];
-        let words = size_of_val(drawn.near) + size_of_val(drawn.spare);
-        self.hardware.copied = (lists.iter().sum::<usize>() + size_of_val(&vertices[..]) + words) as u64;
+        (self.hardware.listed, self.hardware.copied) = (drawn.listed.to_vec(), drawn.copied);
         Ok(())
     }
 

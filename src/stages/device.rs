@@ -168,17 +168,18 @@ impl Renderer<'_> {
         let mut shared = self.shared_with(gpu, hardware.rasterizer)?;
         let mut session = Session::sharing(gpu, shared.as_mut());
         let frame = self.frame_in(&mut session, scene, camera, options, Some(&mut hardware));
-        let freed = session.free();
+        let mut freed = session.free();
+        let failed = |e: &RenderError| matches!(e, RenderError::Gpu(GpuError::Vulkan(e)) if e.is_final());
+        // After a failure the next frame opens the device anew. What still runs ends before its memory goes.
+        self.hardware = (!frame.as_ref().is_err_and(failed)).then_some(rasterizer);
         // Nobody knows how far a failed frame came: what it signalled may wait for somebody.
         match (&frame, shared) {
-            (Err(_), Some(shared)) => shared.free(gpu)?,
+            (Err(_), Some(shared)) => freed = freed.and(shared.free(gpu)),
             (_, shared) => self.shared = shared,
         }
-        let failed = |e: &RenderError| matches!(e, RenderError::Gpu(GpuError::Vulkan(e)) if e.is_final());
-        // After a failure the next frame opens the device anew.
-        self.hardware = (!frame.as_ref().is_err_and(failed)).then_some(rasterizer);
+        let frame = frame?;
         freed?;
-        frame?.ok_or(RenderError::Gpu(GpuError::Unsettled))
+        frame.ok_or(RenderError::Gpu(GpuError::Unsettled))
     }
 
     /// The memory that both devices see; None: they can't share any.

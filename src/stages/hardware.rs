@@ -172,27 +172,24 @@ impl Renderer<'_> {
 
     pub(super) fn routes(&mut self, drawn: &Geometries) -> Result<Routes, RenderError> {
         let Geometries { lens, options, leaves, grids, .. } = *drawn;
-        let from = match options.raster.is_hardware() {
-            true => {
-                let device = self.hardware(None)?.device().clone();
-                self.large(options, &device)
-            }
-            false => 0.0,
-        };
+        let textured = options.trim == Trim::Texture;
+        match options.raster {
+            Raster::Auto | Raster::Software => return Ok(Routes { leaves: Taken::None, textured }),
+            Raster::Hardware => return Ok(Routes { leaves: Taken::All, textured }),
+            Raster::Hybrid => {}
+        }
+        let device = self.hardware(None)?.device().clone();
+        let from = self.large(options, &device) as f32;
         let large = |(leaf, grid): (&Leaf, &Tessellation)| {
             let net = &leaves.nets[leaf.net as usize..leaf.net as usize + leaf.points()];
             match options.route {
                 _ if from <= 0.0 => true,
-                Route::Net => quad_side(leaf, grid, net, lens.perspective) >= from as f32,
-                Route::Eter => edges_reach(leaf, grid, net, lens.perspective, from as f32),
+                Route::Net => quad_side(leaf, grid, net, lens.perspective) >= from,
+                Route::Eter => edges_reach(leaf, grid, net, lens.perspective, from),
             }
         };
-        let leaves = match options.raster {
-            Raster::Auto | Raster::Software => Taken::None,
-            Raster::Hardware => Taken::All,
-            Raster::Hybrid => Taken::Some(leaves.leaves.par_iter().zip(grids).map(large).collect()),
-        };
-        Ok(Routes { leaves, textured: options.trim == Trim::Texture })
+        let leaves = Taken::Some(leaves.leaves.par_iter().zip(grids).map(large).collect());
+        Ok(Routes { leaves, textured })
     }
 
     /// Draws what is routed to the hardware into buffers that have been begun; returns what else came of it.
@@ -227,11 +224,9 @@ impl Renderer<'_> {
             trims: trims.as_ref(),
             alone: is_tested_alone(options),
         };
-        let lists = [size_of_val(input.patches), size_of_val(input.leaves), size_of_val(input.meshlets)];
-        let lists = lists.iter().sum::<usize>() + size_of_val(input.vertices);
         let drawn = self.hardware(None)?.draw(&input).map(|drawn| {
             merge(lens.size[0] as usize * BAND, drawn.near, drawn.spare, targets);
-            (drawn.listed.to_vec(), lists + size_of_val(drawn.near) + size_of_val(drawn.spare))
+            (drawn.listed.to_vec(), drawn.copied)
         });
         if drawn.as_ref().is_err_and(VulkanError::is_final) {
             // The next frame opens the device anew.
@@ -239,7 +234,7 @@ impl Renderer<'_> {
         }
         let triangles = |&k: &u32| 2 * meshlets.meshlets[k as usize].quads.map(u64::from).iter().product::<u64>();
         let (listed, copied) = drawn?;
-        Ok(ByHardware { triangles: numbers.iter().map(triangles).sum(), copied: copied as u64, listed })
+        Ok(ByHardware { triangles: numbers.iter().map(triangles).sum(), copied, listed })
     }
 }
 

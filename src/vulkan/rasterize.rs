@@ -41,6 +41,8 @@ pub struct Drawn<'a> {
     pub near: &'a [u64],
     pub spare: &'a [u64],
     pub listed: &'a [abi::Fragment],
+    /// Bytes of lists and words that went to the device and came from it.
+    pub copied: u64,
 }
 
 /// Draws meshlets; keeps its buffers from frame to frame.
@@ -128,7 +130,10 @@ impl Rasterizer {
         let pixels = width as usize * height as usize;
         let [near, spare] =
             self.buffers.words.each_ref().map(|words| words.as_ref().map_or(&[][..], |w| w.read(pixels)));
-        Ok(Drawn { near, spare, listed: self.listed(input.trims) })
+        let lists = [size_of_val(input.patches), size_of_val(input.leaves), size_of_val(input.meshlets)];
+        let lists = lists.iter().sum::<usize>() + size_of_val(input.vertices);
+        let copied = (lists + size_of_val(near) + size_of_val(spare)) as u64;
+        Ok(Drawn { near, spare, listed: self.listed(input.trims), copied })
     }
 
     /// As if its device had been lost.

@@ -6,6 +6,8 @@ mod primitives;
 mod program;
 mod sharing;
 mod tessellation;
+#[path = "../support/skip.rs"]
+mod without;
 
 use halfpixel::vulkan::{Device, Rasterizer, Validation, VulkanError};
 
@@ -24,12 +26,6 @@ fn rasterizer() -> Option<Rasterizer> {
 fn skip(error: &VulkanError) {
     assert!(std::env::var_os("HALFPIXEL_NEEDS_VULKAN").is_none(), "{error}");
     eprintln!("skipped: {error} (scripts/install_lavapipe.sh brings a device)");
-}
-
-/// The same where kernels can't be emulated.
-fn kernels_are_missing(why: impl std::fmt::Display) {
-    assert!(std::env::var_os("HALFPIXEL_NEEDS_CUDA").is_none(), "{why}");
-    eprintln!("skipped: {why}");
 }
 
 /// Validation layers have said nothing.
