@@ -64,7 +64,7 @@ fn what_is_shown_is_visible_within_half_a_pixel() {
 #[test]
 #[ignore = "single pixels along outlines of small patches are off by up to 0.31 px"]
 fn outlines_of_small_patches_are_exact() {
-    let report = judged("builtin:rings", ViewSpec { size: [900, 600], ..ViewSpec::default() });
+    let report = judged("rings", ViewSpec { size: [900, 600], ..ViewSpec::default() });
     assert!(report.passed());
     let error = report.parametric_error_px.expect("it is drawn");
     assert!(error.max < 0.01, "{error:?}");
