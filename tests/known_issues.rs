@@ -57,12 +57,13 @@ fn what_is_shown_is_visible_within_half_a_pixel() {
     assert_eq!(report.covering_failures, 0, "{:?}", report.worst);
 }
 
-/// Patches of a few pixels, one quad each: where their triangles cover a pixel's centre near an outline and the parameter
-/// there lies beyond the fold, refinement stays there. Such pixels show a point up to 0.31 px from their centre, lit from
-/// the wrong side, where the surface itself is under the centre (pixel (443, 493) here, 0.25 px inside the outline). The
-/// contract's half pixel is kept; what the README says of outlines is not.
+/// Patches of a few pixels, one quad each: where a triangle covers a pixel's centre near an outline and the parameter there
+/// lies beyond the fold, refinement stays there. Some pixels show a point up to 0.31 px from their centre, lit from the wrong
+/// side, where the surface itself is under the centre (pixel (443, 493) here, 0.25 px inside the outline); one of 540,000
+/// shows what is hidden. In scenes with trims such pixels are in doubt and settled (`doubtful` in src/stages/shade.rs, `trimmed`
+/// in src/cuda/shade.rs); in others nobody asks.
 #[test]
-#[ignore = "single pixels along outlines of small patches are off by up to 0.31 px"]
+#[ignore = "untrimmed scenes settle no doubts: pixels along outlines are off by up to 0.31 px, one shows what is hidden"]
 fn outlines_of_small_patches_are_exact() {
     let report = judged("rings", ViewSpec { size: [900, 600], ..ViewSpec::default() });
     assert!(report.passed());
